@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+namespace toile::simulate {
+
+/// The proof stored with each sample (contract: /certificate/*).
+struct Certificate {
+    double residual_force = 0;    ///< Euclidean norm of all nodal net forces over the garment's weight
+    double body_penetration = 0;  ///< deepest vertex below the body's mesh [m], 0 where none is
+    int self_intersections = 0;   ///< crossing triangle pairs
+    double max_stretch = 0;       ///< largest edge length over rest length
+    double min_stretch = 0;
+    double max_speed = 0;  ///< largest vertex speed at the end [m/s]
+    double seconds = 0;    ///< wall time of the drape [s]
+};
+
+/// 0 accepted; anything else names why a sample is not.
+enum class DrapeStatus {
+    accepted = 0,
+    not_at_rest = 1,  ///< residual force or speed above the gate when the iteration budget ended
+    penetrates_body = 2,
+    overstretched = 3,
+    not_finite = 4,
+    pose_out_of_reach = 5,  ///< the pose itself is unusable (not finite)
+};
+std::string_view status_reason(DrapeStatus status);
+std::vector<std::string_view> status_reasons();  ///< index = status, for the attribute `reasons`
+
+}  // namespace toile::simulate

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cloth/cloth_mesh.h"
+#include "simulate/certificate.h"
+#include "simulate/material.h"
+#include "simulate/options.h"
+#include "skin/body.h"
+#include "skin/pose.h"
+#include "skin/skinning.h"
+
+namespace toile::simulate {
+
+/// Everything a drape depends on. What is absent is not built: no body, no level set; no bending, no hinges; neither
+/// body, table nor sphere, no contact code.
+struct DrapeScene {
+    ClothMesh mesh;  ///< with masses; `rest_position` is where the neutral drape starts
+    MembraneOptions membrane;
+    std::optional<BendingOptions> bending;
+    std::optional<ContactOptions> contact;  ///< required by body, table and sphere
+    std::optional<skin::Body> body;
+    skin::SkinningMethod skinning = skin::SkinningMethod::linear;
+    LevelSetOptions level_set;
+    std::optional<TableOptions> table;
+    std::optional<SphereOptions> sphere;
+    std::vector<int> pinned;  ///< vertices held where they start
+    SolverOptions solver;
+    ScheduleOptions schedule;
+    GateOptions gate;
+};
+
+/// Where the time of one drape went [s], and counts.
+struct DrapeReport {
+    double level_set_seconds = 0, contact_seconds = 0, assembly_seconds = 0, factor_seconds = 0,
+           certificate_seconds = 0;
+    int path_steps = 0, level_sets = 0, newton_iterations = 0, line_search_halvings = 0;
+};
+
+struct DrapeResult {
+    Positions position;  ///< `[V x 3]` [m]
+    Certificate certificate;
+    DrapeStatus status = DrapeStatus::accepted;
+    DrapeReport report;
+};
+
+/// Drapes one garment on one body, pose after pose. Construction does what all poses share (stencils, sparsity,
+/// ordering); `drape` is const and may run from several threads, its result depending on its arguments alone.
+class Draper {
+  public:
+    explicit Draper(const DrapeScene& scene);
+    ~Draper();
+
+    /// From `scene.mesh.rest_position` to rest in the neutral pose. `position` of the result is what `drape` starts
+    /// from.
+    DrapeResult drape_neutral() const;
+    /// From the neutral drape along interpolated poses to `pose`, and on until it rests.
+    DrapeResult drape(const Positions& neutral_drape, const skin::Pose& pose) const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace toile::simulate

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace toile::simulate {
+
+/// Contact of the cloth with a body, a table plane or a sphere.
+struct ContactOptions {
+    double thickness = 0.002;  ///< distance the cloth keeps from a surface [m], 0.0001 to 0.02
+    double friction = 0.3;     ///< Coulomb coefficient, 0 to 2
+};
+
+/// The level set of the body.
+struct LevelSetOptions {
+    double voxel = 0.006;         ///< grid spacing [m], 0.001 to 0.02
+    double error_bound = 0.0005;  ///< the level set is rebuilt before the moving surface is off by more than this [m]
+};
+
+/// A horizontal plane the cloth rests on, normal +y.
+struct TableOptions {
+    double height = 0.0;  ///< [m]
+};
+
+struct SphereOptions {
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< [m]
+    double radius = 0.2;                               ///< [m], above 0
+};
+
+/// What holds a vertex in place: its position in the garment's start.
+struct PinOptions {
+    std::vector<int> vertex;  ///< vertex indices
+    std::string corners;      ///< "" or "top": the two upper corners of a patch's pattern
+};
+
+/// The integrator and what "at rest" means.
+struct SolverOptions {
+    std::string solver = "implicit";              ///< the only one so far
+    double time_step = 0.033;                     ///< while the cloth moves [s], 0.0001 to 0.2
+    double damping = 2.0;                         ///< mass-proportional, relative to the moving body [1/s], 0 to 1000
+    Eigen::Vector3d gravity = {0.0, -9.81, 0.0};  ///< [m/s^2]
+    double residual_tolerance = 3e-4;             ///< residual force over the garment's weight, 1e-9 to 0.1
+    double speed_tolerance = 0.001;               ///< largest vertex speed at rest [m/s]
+    int max_iterations = 2000;                    ///< Newton iterations for one drape
+};
+
+/// The way from the neutral drape to a pose.
+struct ScheduleOptions {
+    double joint_step = 0.12;  ///< largest rotation of any joint in one path step [rad], 0.005 to 1
+};
+
+/// What a drape must satisfy to be accepted.
+struct GateOptions {
+    double body_penetration = 0.001;  ///< [m]
+    double residual_force = 0.001;    ///< over the garment's weight
+    double max_stretch = 1.3;         ///< edge length over rest length
+};
+
+}  // namespace toile::simulate

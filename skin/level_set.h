@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <memory>
+
+#include "cloth/types.h"
+
+namespace toile::skin {
+
+/// A narrow-band signed distance field on a sparse grid (OpenVDB), negative inside. The only file that includes
+/// OpenVDB. Immutable once built; `sample` may be called from several threads, each with its own `Sampler`.
+class LevelSet {
+  public:
+    /// From a closed surface. Distances are exact to the triangles within `band_width` [m] of the surface, and clamped
+    /// beyond. Self-overlapping surfaces give the union of their insides.
+    LevelSet(const Triangles& triangle, const Positions& position, double voxel, double band_width);
+    ~LevelSet();
+    LevelSet(LevelSet&&) noexcept;
+    LevelSet& operator=(LevelSet&&) noexcept;
+
+    double voxel() const;       ///< [m]
+    double band_width() const;  ///< [m]
+
+    struct Sample {
+        double distance;           ///< signed distance [m], clamped to +-band_width
+        Eigen::Vector3d gradient;  ///< gradient of the trilinear interpolant; zero outside the band
+        int triangle;              ///< a nearest triangle (of the nearest voxel), -1 outside the band
+    };
+    /// A cursor with its own cache: make one a thread.
+    class Sampler {
+      public:
+        explicit Sampler(const LevelSet& level_set);
+        ~Sampler();
+        Sample operator()(const Eigen::Vector3d& point) const;
+        double distance(const Eigen::Vector3d& point) const;  ///< the distance alone
+
+      private:
+        struct Impl;
+        std::unique_ptr<Impl> impl_;
+    };
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+struct Surface {
+    Triangles triangle;
+    Positions position;
+};
+
+/// The zero surface of `distance` (negative inside, roughly a distance near its zero) within the box, as triangles
+/// counter-clockwise outside. `voxel` [m] sets the resolution.
+Surface extract_surface(const std::function<double(const Eigen::Vector3d&)>& distance, const Eigen::Vector3d& lower,
+                        const Eigen::Vector3d& upper, double voxel);
+
+}  // namespace toile::skin
