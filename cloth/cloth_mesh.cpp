@@ -1,5 +1,6 @@
 #include "cloth/cloth_mesh.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <string>
 #include <vector>

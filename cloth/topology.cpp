@@ -1,5 +1,6 @@
 #include "cloth/topology.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
