@@ -14,7 +14,10 @@ void parallel_for(int count, int threads, const std::function<void(int slot, int
     std::atomic<int> next{0};
     std::atomic<bool> stop{false};
     auto work = [&](int slot) {
-        for (int index = next++; index < count && !stop; index = next++) {
+        // An index that was taken is always run: so all below a failing one are, and the lowest failure is found.
+        while (!stop) {
+            const int index = next++;
+            if (index >= count) return;
             try {
                 task(slot, index);
             } catch (...) {
