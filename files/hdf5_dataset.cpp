@@ -1,0 +1,289 @@
+#include <hdf5.h>
+#include <unistd.h>
+
+#include <functional>
+#include <numeric>
+#include <type_traits>
+
+#include "cloth/error.h"
+#include "files/hdf5_file.h"
+#include "files/hdf5_handle.h"
+
+namespace toile::files {
+namespace {
+
+int64_t element_count(const Shape& shape) {
+    return std::accumulate(shape.begin(), shape.end(), int64_t{1}, std::multiplies<>());
+}
+
+std::vector<hsize_t> sizes(const Shape& shape) {
+    return {shape.begin(), shape.end()};
+}
+
+Handle dataspace(const Shape& shape) {
+    if (shape.empty()) return Handle(H5Screate(H5S_SCALAR), H5Sclose);
+    return Handle(H5Screate_simple(static_cast<int>(shape.size()), sizes(shape).data(), nullptr), H5Sclose);
+}
+
+/// No timestamps: the bytes of a file depend on its content alone.
+Handle dataset_creation(const Shape& chunk, int deflate) {
+    Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_obj_track_times(list, false);
+    if (chunk.empty()) return list;
+    H5Pset_chunk(list, static_cast<int>(chunk.size()), sizes(chunk).data());
+    if (deflate > 0) {
+        H5Pset_shuffle(list);
+        H5Pset_deflate(list, static_cast<unsigned>(deflate));
+    }
+    H5Pset_fletcher32(list);
+    return list;
+}
+
+/// Makes the groups above `name`; those that HDF5 makes by itself would carry timestamps.
+void make_groups(hid_t file, const std::string& name) {
+    for (size_t end = name.find('/', 1); end != std::string::npos; end = name.find('/', end + 1)) {
+        const std::string group = name.substr(0, end);
+        if (H5Lexists(file, group.c_str(), H5P_DEFAULT) > 0) continue;
+        const Handle list(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
+        H5Pset_obj_track_times(list, false);
+        const Handle made(H5Gcreate2(file, group.c_str(), H5P_DEFAULT, list, H5P_DEFAULT), H5Gclose);
+    }
+}
+
+/// Refuses to allocate what a damaged header asks for.
+void check_memory(int64_t count, size_t width) {
+    const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    if (count < 0 || static_cast<double>(count) * static_cast<double>(width) > memory)
+        throw Error("it claims to hold " + std::to_string(count) + " values, more than the memory can");
+}
+
+template <typename T>
+void check_kind(const std::string& stored) {
+    const bool fits = std::is_floating_point_v<T> ? stored == "float32" || stored == "float64"
+                                                  : stored.rfind("int", 0) == 0 || stored.rfind("uint", 0) == 0;
+    if (!fits)
+        throw Error(std::string("holds ") + stored + " where " +
+                    (std::is_floating_point_v<T> ? "floating point numbers are" : "integers are") + " expected");
+}
+
+/// Integers of another width come through int64, so that none is clipped unseen.
+template <typename T>
+std::vector<T> read_selected(hid_t dataset, hid_t memory, hid_t space, int64_t count) {
+    const Handle type(H5Dget_type(dataset), H5Tclose);
+    check_kind<T>(type_text(type));
+    check_memory(count, sizeof(T));
+    std::vector<T> value(static_cast<size_t>(count));
+    if (count == 0) return value;
+    if constexpr (!std::is_floating_point_v<T>) {
+        const bool sign = H5Tget_sign(type) == H5T_SGN_2;
+        if (H5Tget_size(type) > sizeof(T) || sign != std::is_signed_v<T>) {
+            std::vector<int64_t> wide(value.size());
+            if (H5Dread(dataset, H5T_NATIVE_INT64, memory, space, H5P_DEFAULT, wide.data()) < 0)
+                throw Error("cannot be read: " + library_message());
+            for (size_t i = 0; i < wide.size(); ++i) {
+                value[i] = static_cast<T>(wide[i]);
+                if (static_cast<int64_t>(value[i]) != wide[i])
+                    throw Error("holds " + std::to_string(wide[i]) + ", out of range");
+            }
+            return value;
+        }
+    }
+    if (H5Dread(dataset, native_type<T>(), memory, space, H5P_DEFAULT, value.data()) < 0)
+        throw Error("cannot be read: " + library_message());
+    return value;
+}
+
+/// Runs `task`, adding to an Error where it happened.
+template <typename Task>
+auto located(const std::string& where, const Task& task) {
+    try {
+        return task();
+    } catch (const Error& error) {
+        throw Error(error.where().empty() ? where.substr(where.rfind(':') + 1) + " " + error.what() : error.what(),
+                    error.where().empty() ? where : error.where(), error.mend());
+    }
+}
+
+void select_rows(hid_t space, const Shape& shape, int64_t first, int64_t count) {
+    std::vector<hsize_t> start(shape.size(), 0);
+    std::vector<hsize_t> size = sizes(shape);
+    start[0] = static_cast<hsize_t>(first);
+    size[0] = static_cast<hsize_t>(count);
+    H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, size.data(), nullptr);
+}
+
+}  // namespace
+
+template <>
+hid_t native_type<float>() {
+    return H5T_NATIVE_FLOAT;
+}
+template <>
+hid_t native_type<double>() {
+    return H5T_NATIVE_DOUBLE;
+}
+template <>
+hid_t native_type<int8_t>() {
+    return H5T_NATIVE_INT8;
+}
+template <>
+hid_t native_type<uint8_t>() {
+    return H5T_NATIVE_UINT8;
+}
+template <>
+hid_t native_type<int16_t>() {
+    return H5T_NATIVE_INT16;
+}
+template <>
+hid_t native_type<int32_t>() {
+    return H5T_NATIVE_INT32;
+}
+template <>
+hid_t native_type<int64_t>() {
+    return H5T_NATIVE_INT64;
+}
+
+template <typename T>
+Array<T> Hdf5File::read(const std::string& name) const {
+    const Session session;
+    return located(impl_->where(name), [&] {
+        const Handle dataset = impl_->dataset(name);
+        const Handle space(H5Dget_space(dataset), H5Sclose);
+        Shape shape = impl_->shape(space);
+        return Array<T>{read_selected<T>(dataset, H5S_ALL, H5S_ALL, element_count(shape)), std::move(shape)};
+    });
+}
+
+template <typename T>
+Array<T> Hdf5File::read(const std::string& name, const Shape& expected) const {
+    const Shape found = shape(name);
+    bool same = found.size() == expected.size();
+    for (size_t i = 0; same && i < found.size(); ++i) same = expected[i] == any_size || expected[i] == found[i];
+    if (!same) impl_->fail(name + " has shape " + shape_text(found) + ", not " + shape_text(expected), name);
+    return read<T>(name);
+}
+
+template <typename T>
+Array<T> Hdf5File::read_rows(const std::string& name, int64_t first, int64_t count) const {
+    const Session session;
+    return located(impl_->where(name), [&] {
+        const Handle dataset = impl_->dataset(name);
+        const Handle space(H5Dget_space(dataset), H5Sclose);
+        Shape shape = impl_->shape(space);
+        if (shape.empty() || first < 0 || count < 0 || first + count > shape[0])
+            throw Error("has no rows " + std::to_string(first) + " to " + std::to_string(first + count - 1));
+        select_rows(space, shape, first, count);
+        shape[0] = count;
+        const Handle memory = dataspace(shape);
+        return Array<T>{read_selected<T>(dataset, memory, space, element_count(shape)), std::move(shape)};
+    });
+}
+
+std::vector<std::string> Hdf5File::read_strings(const std::string& name) const {
+    const Session session;
+    return located(impl_->where(name), [&] {
+        const Handle dataset = impl_->dataset(name);
+        const Handle space(H5Dget_space(dataset), H5Sclose);
+        const Handle type(H5Dget_type(dataset), H5Tclose);
+        if (H5Tget_class(type) != H5T_STRING) throw Error("holds " + type_text(type) + " where strings are expected");
+        return strings_of(type, space, [&](hid_t memory, void* buffer) {
+            return H5Dread(dataset, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, buffer);
+        });
+    });
+}
+
+template <typename T>
+void Hdf5File::write(const std::string& name, const T* value, const Shape& shape, const Storage& storage) {
+    const Session session;
+    Shape chunk = storage.chunk.empty() ? shape : storage.chunk;
+    if (storage.deflate < 0 || element_count(shape) == 0) chunk.clear();
+    make_groups(impl_->file, name);
+    const Handle space = dataspace(shape);
+    const Handle list = dataset_creation(chunk, storage.deflate);
+    Handle dataset(H5Dcreate2(impl_->file, name.c_str(), native_type<T>(), space, H5P_DEFAULT, list, H5P_DEFAULT),
+                   H5Dclose);
+    if (!dataset.valid()) impl_->fail("cannot create the dataset: " + library_message(), name);
+    if (element_count(shape) > 0 && H5Dwrite(dataset, native_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, value) < 0)
+        impl_->fail("cannot write: " + library_message(), name);
+    dataset.close();
+    impl_->check_written();
+}
+
+void Hdf5File::write_strings(const std::string& name, const std::vector<std::string>& value) {
+    const Session session;
+    std::vector<const char*> text;
+    for (const std::string& string : value) text.push_back(string.c_str());
+    make_groups(impl_->file, name);
+    const Handle space = dataspace({static_cast<int64_t>(value.size())});
+    const Handle type = string_type();
+    const Handle list = dataset_creation({}, -1);
+    Handle dataset(H5Dcreate2(impl_->file, name.c_str(), type, space, H5P_DEFAULT, list, H5P_DEFAULT), H5Dclose);
+    if (!dataset.valid()) impl_->fail("cannot create the dataset: " + library_message(), name);
+    if (!value.empty() && H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0)
+        impl_->fail("cannot write: " + library_message(), name);
+    dataset.close();
+    impl_->check_written();
+}
+
+template <typename T>
+void Hdf5File::create_rows(const std::string& name, int64_t rows, const Shape& row_shape, int deflate) {
+    const Session session;
+    Shape shape{rows}, chunk{1};
+    shape.insert(shape.end(), row_shape.begin(), row_shape.end());
+    chunk.insert(chunk.end(), row_shape.begin(), row_shape.end());
+    std::vector<hsize_t> largest = sizes(shape);
+    largest[0] = H5S_UNLIMITED;
+    make_groups(impl_->file, name);
+    const Handle space(H5Screate_simple(static_cast<int>(shape.size()), sizes(shape).data(), largest.data()), H5Sclose);
+    const Handle list = dataset_creation(chunk, deflate);
+    Handle dataset(H5Dcreate2(impl_->file, name.c_str(), native_type<T>(), space, H5P_DEFAULT, list, H5P_DEFAULT),
+                   H5Dclose);
+    if (!dataset.valid()) impl_->fail("cannot create the dataset: " + library_message(), name);
+    dataset.close();
+    impl_->check_written();
+}
+
+template <typename T>
+void Hdf5File::write_row(const std::string& name, int64_t row, const T* value) {
+    const Session session;
+    Handle dataset = impl_->dataset(name);
+    Handle space(H5Dget_space(dataset), H5Sclose);
+    Shape shape = impl_->shape(space);
+    if (shape.empty() || row < 0) impl_->fail("has no row " + std::to_string(row), name);
+    if (row >= shape[0]) {
+        shape[0] = row + 1;
+        if (H5Dset_extent(dataset, sizes(shape).data()) < 0) impl_->fail("cannot be extended", name);
+        space = Handle(H5Dget_space(dataset), H5Sclose);
+    }
+    select_rows(space, shape, row, 1);
+    shape[0] = 1;
+    const Handle memory = dataspace(shape);
+    if (H5Dwrite(dataset, native_type<T>(), memory, space, H5P_DEFAULT, value) < 0)
+        impl_->fail("cannot write: " + library_message(), name);
+    dataset.close();
+    impl_->check_written();
+}
+
+void Hdf5File::remove(const std::string& name) {
+    const Session session;
+    if (H5Ldelete(impl_->file, name.c_str(), H5P_DEFAULT) < 0) impl_->fail("cannot remove: no such dataset", name);
+    impl_->check_written();
+}
+
+#define TOILE_ELEMENT_TYPE(T)                                                                     \
+    template Array<T> Hdf5File::read<T>(const std::string&) const;                                \
+    template Array<T> Hdf5File::read<T>(const std::string&, const Shape&) const;                  \
+    template Array<T> Hdf5File::read_rows<T>(const std::string&, int64_t, int64_t) const;         \
+    template void Hdf5File::write<T>(const std::string&, const T*, const Shape&, const Storage&); \
+    template void Hdf5File::create_rows<T>(const std::string&, int64_t, const Shape&, int);       \
+    template void Hdf5File::write_row<T>(const std::string&, int64_t, const T*);
+TOILE_ELEMENT_TYPE(float)
+TOILE_ELEMENT_TYPE(double)
+TOILE_ELEMENT_TYPE(int8_t)
+TOILE_ELEMENT_TYPE(uint8_t)
+TOILE_ELEMENT_TYPE(int16_t)
+TOILE_ELEMENT_TYPE(int32_t)
+TOILE_ELEMENT_TYPE(int64_t)
+#undef TOILE_ELEMENT_TYPE
+
+}  // namespace toile::files

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <hdf5.h>
+
+#include <functional>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "files/hdf5_file.h"
+
+namespace toile::files {
+
+/// Owns one HDF5 identifier.
+class Handle {
+  public:
+    using Closer = herr_t (*)(hid_t);
+    Handle() = default;
+    Handle(hid_t id, Closer closer) : id_(id), closer_(closer) {}
+    Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), closer_(other.closer_) {}
+    Handle& operator=(Handle&& other) noexcept {
+        std::swap(id_, other.id_);
+        std::swap(closer_, other.closer_);
+        return *this;
+    }
+    ~Handle() { close(); }
+    herr_t close() { return id_ < 0 ? 0 : closer_(std::exchange(id_, -1)); }
+    operator hid_t() const { return id_; }
+    bool valid() const { return id_ >= 0; }
+
+  private:
+    hid_t id_ = -1;
+    Closer closer_ = nullptr;
+};
+
+/// Held during every call into HDF5: one thread at a time, and the library does not print its error stack.
+class Session {
+  public:
+    Session();
+    ~Session();
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+
+  private:
+    std::unique_lock<std::recursive_mutex> lock_;
+    H5E_auto2_t print_ = nullptr;
+    void* print_data_ = nullptr;
+};
+
+/// The innermost message of HDF5's error stack.
+std::string library_message();
+
+struct Hdf5File::Impl {
+    std::string path;
+    int write_error = 0;  ///< set by the watched driver
+    Handle file;
+    bool writable = false;
+
+    std::string where(const std::string& name) const { return path + ":" + name; }
+    [[noreturn]] void fail(const std::string& what, const std::string& name) const;
+    /// Error if a write did not reach the disk.
+    void check_written() const;
+    Handle dataset(const std::string& name) const;
+    /// The group or dataset that carries attributes.
+    Handle object(const std::string& name) const;
+    Shape shape(hid_t space) const;
+};
+
+/// HDF5's name for an element type in memory.
+template <typename T>
+hid_t native_type();
+
+/// Variable-length UTF-8.
+Handle string_type();
+
+/// "float32", "int8", "string" ... of a stored type.
+std::string type_text(hid_t type);
+
+/// All strings of a dataset or attribute, of variable or fixed length; `read` fills a buffer of the type it is given.
+std::vector<std::string> strings_of(hid_t stored_type, hid_t space, const std::function<herr_t(hid_t, void*)>& read);
+
+}  // namespace toile::files

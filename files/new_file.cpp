@@ -1,0 +1,82 @@
+#include "files/new_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+#include "cloth/error.h"
+
+namespace toile::files {
+namespace {
+
+[[noreturn]] void fail(int error_number, const std::string& path) {
+    throw Error("cannot write the file: " + write_failure(error_number), path,
+                error_number == ENOSPC || error_number == EDQUOT ? "make room, or write to another disk"
+                                                                 : "choose a folder you may write to");
+}
+
+}  // namespace
+
+std::string write_failure(int error_number) {
+    switch (error_number) {
+        case ENOSPC:
+            return "the disk is full";
+        case EDQUOT:
+            return "the disk quota is used up";
+        case EFBIG:
+            return "the file would exceed the largest size allowed";
+        case EACCES:
+        case EPERM:
+            return "no permission to write here";
+        case EROFS:
+            return "the disk is read-only";
+        case ENOENT:
+            return "the folder does not exist";
+        case ENOTDIR:
+            return "a part of the path is not a folder";
+        case EISDIR:
+            return "a folder has this name";
+        default:
+            return std::strerror(error_number);
+    }
+}
+
+NewFile::NewFile(std::string path) : path_(std::move(path)), partial_(path_ + ".partial") {
+    struct stat status {};
+    if (::stat(path_.c_str(), &status) == 0 && S_ISDIR(status.st_mode)) fail(EISDIR, path_);
+    const int descriptor = ::open(partial_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (descriptor < 0) fail(errno, path_);
+    ::close(descriptor);
+}
+
+NewFile::~NewFile() {
+    if (!committed_) ::unlink(partial_.c_str());
+}
+
+void NewFile::write(const void* data, size_t size) {
+    const int descriptor = ::open(partial_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (descriptor < 0) fail(errno, path_);
+    int error = 0;
+    for (size_t done = 0; done < size && error == 0;) {
+        const ssize_t put = ::write(descriptor, static_cast<const char*>(data) + done, size - done);
+        if (put > 0)
+            done += static_cast<size_t>(put);
+        else if (put == 0 || errno != EINTR)
+            error = put == 0 ? ENOSPC : errno;
+    }
+    if (error == 0 && ::fsync(descriptor) != 0 && errno != EINVAL) error = errno;
+    if (::close(descriptor) != 0 && error == 0) error = errno;
+    if (error != 0) fail(error, path_);
+}
+
+void NewFile::commit() {
+    if (std::rename(partial_.c_str(), path_.c_str()) != 0) fail(errno, path_);
+    committed_ = true;
+}
+
+}  // namespace toile::files

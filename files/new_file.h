@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+
+namespace toile::files {
+
+/// A file that appears whole or not at all: it is written as `PATH.partial` and renamed to PATH by `commit`. Without a
+/// commit the partial file is removed.
+class NewFile {
+  public:
+    /// Throws Error where the folder is missing or not writable, or PATH is a folder.
+    explicit NewFile(std::string path);
+    ~NewFile();
+    NewFile(const NewFile&) = delete;
+    NewFile& operator=(const NewFile&) = delete;
+
+    const std::string& path() const { return path_; }        ///< the final name
+    const std::string& partial() const { return partial_; }  ///< the name to write to until then
+    void commit();                                           ///< throws Error if the rename fails
+
+    /// Writes `size` bytes to the partial file, replacing what it held, and syncs it. Throws Error with the system's
+    /// reason (full disk, no permission).
+    void write(const void* data, size_t size);
+
+  private:
+    std::string path_, partial_;
+    bool committed_ = false;
+};
+
+/// One line for what a failed system call left in errno: "the disk is full", "no permission to write here" ...
+std::string write_failure(int error_number);
+
+}  // namespace toile::files
