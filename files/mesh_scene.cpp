@@ -1,0 +1,74 @@
+#include "files/mesh_scene.h"
+
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <exception>
+#include <fstream>
+
+#include "cloth/error.h"
+
+namespace toile::files {
+namespace {
+
+void check_readable(const std::string& path) {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0)
+        throw Error(
+            errno == ENOENT ? "the file does not exist" : std::string("cannot read the file: ") + std::strerror(errno),
+            path);
+    if (S_ISDIR(status.st_mode)) throw Error("this is a folder, not a mesh file", path);
+    if (!std::ifstream(path, std::ios::binary)) throw Error("cannot open the file", path);
+    if (status.st_size == 0) throw Error("the file is empty", path);
+}
+
+std::string one_line(std::string text) {
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < ' ') c = ' ';
+    while (!text.empty() && (text.back() == ' ' || text.back() == '.')) text.pop_back();
+    return text.substr(0, 300);
+}
+
+}  // namespace
+
+const aiScene* open_scene(Assimp::Importer& importer, const std::string& path, unsigned post_processing) {
+    check_readable(path);
+    const aiScene* scene = nullptr;
+    std::string reason;
+    try {
+        scene = importer.ReadFile(path, post_processing);
+        reason = importer.GetErrorString();
+    } catch (const std::exception& error) {  // a damaged file reaches assimp's allocations
+        reason = error.what();
+    }
+    if (!scene || !scene->mRootNode)
+        throw Error("cannot read a mesh from the file: " + one_line(reason.empty() ? "unknown format" : reason), path);
+    return scene;
+}
+
+Eigen::Matrix4d matrix_of(const aiMatrix4x4& m) {
+    Eigen::Matrix4d out;
+    for (unsigned row = 0; row < 4; ++row)
+        for (unsigned column = 0; column < 4; ++column) out(row, column) = m[row][column];
+    return out;
+}
+
+void check_scene_mesh(const aiMesh& mesh, const std::string& path) {
+    const std::string name = mesh.mName.length ? " of mesh '" + std::string(mesh.mName.C_Str()) + "'" : "";
+    for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
+        const aiVector3D& p = mesh.mVertices[v];
+        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+            throw Error("vertex " + std::to_string(v) + name + " is not finite", path);
+    }
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f)
+        for (unsigned corner = 0; corner < mesh.mFaces[f].mNumIndices; ++corner)
+            if (mesh.mFaces[f].mIndices[corner] >= mesh.mNumVertices)
+                throw Error("face " + std::to_string(f) + name + " refers to vertex " +
+                                std::to_string(mesh.mFaces[f].mIndices[corner]) + " of " +
+                                std::to_string(mesh.mNumVertices),
+                            path);
+}
+
+}  // namespace toile::files

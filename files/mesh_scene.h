@@ -1,0 +1,21 @@
+#pragma once
+
+#include <assimp/scene.h>
+
+#include <Eigen/Core>
+#include <assimp/Importer.hpp>
+#include <string>
+
+namespace toile::files {
+
+/// Opens `path` with assimp and returns the scene, owned by `importer`. Throws Error for a missing, empty or unreadable
+/// file. Internal to files/.
+const aiScene* open_scene(Assimp::Importer& importer, const std::string& path, unsigned post_processing);
+
+/// assimp's row-major matrix as Eigen's.
+Eigen::Matrix4d matrix_of(const aiMatrix4x4& m);
+
+/// Throws Error if a vertex of `mesh` is not finite or a face refers to a vertex that is not there.
+void check_scene_mesh(const aiMesh& mesh, const std::string& path);
+
+}  // namespace toile::files
