@@ -103,8 +103,8 @@ int64_t Hdf5File::integer_attribute(const std::string& name, const std::string& 
 
 void Hdf5File::set_attribute(const std::string& name, const std::string& key, const std::string& value) {
     const Session session;
-    const char* text = value.c_str();
-    replace_attribute(impl_->object(name), key, string_type(), scalar(), &text);
+    const FixedStrings strings({value});
+    replace_attribute(impl_->object(name), key, strings.type, scalar(), strings.text.data());
     impl_->check_written();
 }
 
@@ -114,9 +114,8 @@ void Hdf5File::set_attribute(const std::string& name, const std::string& key, co
 
 void Hdf5File::set_attribute(const std::string& name, const std::string& key, const std::vector<std::string>& value) {
     const Session session;
-    std::vector<const char*> text;
-    for (const std::string& string : value) text.push_back(string.c_str());
-    replace_attribute(impl_->object(name), key, string_type(), row(value.size()), text.data());
+    const FixedStrings strings(value);
+    replace_attribute(impl_->object(name), key, strings.type, row(value.size()), strings.text.data());
     impl_->check_written();
 }
 

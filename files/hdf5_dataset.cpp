@@ -211,15 +211,15 @@ void Hdf5File::write(const std::string& name, const T* value, const Shape& shape
 
 void Hdf5File::write_strings(const std::string& name, const std::vector<std::string>& value) {
     const Session session;
-    std::vector<const char*> text;
-    for (const std::string& string : value) text.push_back(string.c_str());
+    const FixedStrings strings(value);
+    const Shape shape{static_cast<int64_t>(value.size())};
     make_groups(impl_->file, name);
-    const Handle space = dataspace({static_cast<int64_t>(value.size())});
-    const Handle type = string_type();
-    const Handle list = dataset_creation({}, -1);
-    Handle dataset(H5Dcreate2(impl_->file, name.c_str(), type, space, H5P_DEFAULT, list, H5P_DEFAULT), H5Dclose);
+    const Handle space = dataspace(shape);
+    const Handle list = dataset_creation(value.empty() ? Shape{} : shape, 0);
+    Handle dataset(H5Dcreate2(impl_->file, name.c_str(), strings.type, space, H5P_DEFAULT, list, H5P_DEFAULT),
+                   H5Dclose);
     if (!dataset.valid()) impl_->fail("cannot create the dataset: " + library_message(), name);
-    if (!value.empty() && H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0)
+    if (!value.empty() && H5Dwrite(dataset, strings.type, H5S_ALL, H5S_ALL, H5P_DEFAULT, strings.text.data()) < 0)
         impl_->fail("cannot write: " + library_message(), name);
     dataset.close();
     impl_->check_written();

@@ -23,7 +23,7 @@ struct Array {
 struct Storage {
     int deflate = -1;  ///< gzip level 0 to 9 with the shuffle filter before it, each chunk with a fletcher32 checksum;
                        ///< -1: contiguous, without checksum
-    Shape chunk;  ///< empty: the whole dataset is one chunk
+    Shape chunk;       ///< empty: the whole dataset is one chunk
 };
 
 /// An HDF5 file. Names of datasets are absolute paths ("/samples/cloth"); groups appear as needed.
@@ -32,6 +32,8 @@ struct Storage {
 /// dataset, wrong type or shape, damaged chunk, full disk, no permission. HDF5 itself prints nothing. Element types T:
 /// float, double, int8_t, uint8_t, int16_t, int32_t, int64_t. Floating point of either width reads as float or double;
 /// integers of any width read as any integer that holds their values; neither reads as the other.
+///
+/// Strings are written as UTF-8 of one fixed length (h5py gives bytes), and read at any length.
 ///
 /// The bytes written depend on the calls alone: no timestamps, and chunks lie in the order of the writes. The library
 /// is not thread-safe as Debian builds it, so every call here holds one process-wide lock; to get the same bytes each

@@ -1,5 +1,7 @@
 #include "files/hdf5_handle.h"
 
+#include <algorithm>
+
 #include "cloth/error.h"
 #include "files/new_file.h"
 
@@ -20,6 +22,10 @@ herr_t take_first(unsigned, const H5E_error2_t* error, void* text) {
 }  // namespace
 
 Session::Session() : lock_(library_mutex()) {
+    // Every file of ours is closed by its owner. What the library leaks on damaged files would make its own clean-up at
+    // the end of the program loop and print.
+    static const herr_t once = H5dont_atexit();
+    static_cast<void>(once);
     H5Eget_auto2(H5E_DEFAULT, &print_, &print_data_);
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
@@ -63,11 +69,14 @@ Shape Hdf5File::Impl::shape(hid_t space) const {
     return Shape(size.begin(), size.end());
 }
 
-Handle string_type() {
-    Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-    H5Tset_size(type, H5T_VARIABLE);
+FixedStrings::FixedStrings(const std::vector<std::string>& value) {
+    for (const std::string& string : value) width = std::max(width, string.size());
+    text.assign(width * value.size(), '\0');
+    for (size_t i = 0; i < value.size(); ++i) value[i].copy(text.data() + i * width, width);
+    type = Handle(H5Tcopy(H5T_C_S1), H5Tclose);
+    H5Tset_size(type, width);
+    H5Tset_strpad(type, H5T_STR_NULLPAD);
     H5Tset_cset(type, H5T_CSET_UTF8);
-    return type;
 }
 
 std::string type_text(hid_t type) {

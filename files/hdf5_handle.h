@@ -71,8 +71,14 @@ struct Hdf5File::Impl {
 template <typename T>
 hid_t native_type();
 
-/// Variable-length UTF-8.
-Handle string_type();
+/// Strings as they are written: UTF-8 of one fixed length, padded with zero bytes. Those of variable length would lie
+/// in HDF5's global heap, which has no checksum: the library crashes where it is damaged.
+struct FixedStrings {
+    explicit FixedStrings(const std::vector<std::string>& value);
+    size_t width = 1;
+    std::vector<char> text;
+    Handle type;
+};
 
 /// "float32", "int8", "string" ... of a stored type.
 std::string type_text(hid_t type);
