@@ -12,8 +12,11 @@ namespace toile::skin {
 /// OpenVDB. Immutable once built; `sample` may be called from several threads, each with its own `Sampler`.
 class LevelSet {
   public:
-    /// From a closed surface. Distances are exact to the triangles within `band_width` [m] of the surface, and clamped
-    /// beyond. Self-overlapping surfaces give the union of their insides.
+    /// From a closed surface (an open one has no inside). At the grid's points distances are those to the triangles, up
+    /// to a twentieth of a voxel within two voxels of the surface and a third of one beyond; farther than `band_width`
+    /// [m, at least two voxels] they are clamped. Self-overlapping surfaces give the union of their insides. Works on
+    /// the calling thread alone; the result depends on the arguments alone. Throws Error for a surface without
+    /// triangles, with indices out of range or positions that are not finite, and for a voxel or band out of range.
     LevelSet(const Triangles& triangle, const Positions& position, double voxel, double band_width);
     ~LevelSet();
     LevelSet(LevelSet&&) noexcept;
@@ -51,7 +54,8 @@ struct Surface {
 };
 
 /// The zero surface of `distance` (negative inside, roughly a distance near its zero) within the box, as triangles
-/// counter-clockwise outside. `voxel` [m] sets the resolution.
+/// counter-clockwise outside, by dual contouring. `voxel` [m] sets the resolution. Throws Error where the surface
+/// leaves the box or the distance is not finite.
 Surface extract_surface(const std::function<double(const Eigen::Vector3d&)>& distance, const Eigen::Vector3d& lower,
                         const Eigen::Vector3d& upper, double voxel);
 
