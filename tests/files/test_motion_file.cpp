@@ -156,7 +156,7 @@ TEST_F(MotionFile, RefusesOneDefectAtATime) {
         {"CHANNELS 1 Yrotation", "CHANNELS 1 Wrotation", "'Wrotation'"},
         {"CHANNELS 1 Yrotation", "CHANNELS 2 Yrotation Yrotation", "twice"},
         {"OFFSET 0 2 0", "OFFSET 0 2", "an offset should be a number, but is 'CHANNELS'"},
-        {"OFFSET 0 2 0", "OFFSET 0 nan 0", "'nan' (:23)"},
+        {"OFFSET 0 2 0", "OFFSET 0 nan 0", "'nan' (:21)"},
         {"OFFSET 0 2 0", "", "without an OFFSET"},
         {"JOINT Spine", "JIONT Spine", "'JIONT'"},
         {"JOINT Spine", "JOINT\n\t{", "without a name"},
