@@ -1,0 +1,32 @@
+#include "app/flags.h"
+
+#include <algorithm>
+#include <limits>
+#include <thread>
+
+namespace toile::app {
+
+void add_config_flag(CLI::App& command, Flags& flags) {
+    command.add_option("CONFIG", flags.config, "the scene, in TOML")->required();
+    command
+        .add_option("--set", flags.overrides,
+                    "overrides one key of the configuration, for example --set poses.count=4; may be repeated")
+        ->type_name("KEY=VALUE")
+        ->allow_extra_args(false);
+}
+
+void add_jobs_flag(CLI::App& command, Flags& flags) {
+    flags.jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    command.add_option("--jobs", flags.jobs, "samples worked on side by side; the files do not depend on it")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1024))
+        ->capture_default_str();
+}
+
+CLI::Option* add_pose_flag(CLI::App& command, Flags& flags, const std::string& doc) {
+    return command.add_option("--pose", flags.pose, doc)
+        ->type_name("K")
+        ->check(CLI::Range(0, std::numeric_limits<int>::max()));
+}
+
+}  // namespace toile::app

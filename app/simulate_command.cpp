@@ -1,0 +1,32 @@
+#include "app/commands.h"
+#include "app/flags.h"
+#include "app/guard.h"
+#include "app/summary.h"
+#include "generate/single.h"
+
+namespace toile::app {
+namespace {
+
+int simulate_one(const Flags& flags) {
+    const generate::SceneConfig config = generate::read_scene(flags.config, flags.overrides);
+    const simulate::DrapeResult result = generate::simulate_once(config, flags.pose, flags.out);
+    print_drape(result, flags.out);
+    return result.status == simulate::DrapeStatus::accepted ? all_done : some_samples_failed;
+}
+
+}  // namespace
+
+void add_simulate_command(CLI::App& program, Work& chosen) {
+    CLI::App* command = program.add_subcommand("simulate", "drape the cloth once and write it as a mesh");
+    const auto flags = std::make_shared<Flags>();
+    add_config_flag(*command, *flags);
+    add_pose_flag(*command, *flags, "pose number, from 0; without it the neutral pose");
+    command->add_option("--out", flags->out, "the mesh to write: .obj, .ply or .glb")->type_name("FILE")->required();
+    command->footer(
+        "Also runs scenes without a body. Prints the certificate; exit status 3 if the drape is not accepted.\n\n"
+        "  toile simulate configs/patch.toml --out patch.glb\n"
+        "  toile simulate configs/quick.toml --pose 3 --out shirt.obj");
+    command->callback([flags, &chosen] { chosen = [flags] { return simulate_one(*flags); }; });
+}
+
+}  // namespace toile::app

@@ -1,0 +1,58 @@
+#include "app/summary.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <cstdio>
+#include <map>
+
+namespace toile::app {
+namespace {
+
+template <class... Args>
+void say(fmt::format_string<Args...> format, Args&&... args) {
+    const std::string text = fmt::format(format, std::forward<Args>(args)...);
+    std::puts(text.c_str());
+}
+
+void print_failures(const generate::GenerateSummary& summary) {
+    std::map<std::string, std::string> poses;
+    for (const generate::FailedSample& one : summary.failed) {
+        std::string& list = poses[one.reason];
+        list += (list.empty() ? "" : ", ") + std::to_string(one.pose);
+    }
+    for (const auto& [reason, list] : poses) say("  not accepted     {}: poses {}", reason, list);
+}
+
+}  // namespace
+
+void print_summary(const generate::GenerateSummary& s) {
+    say("{}", s.dataset);
+    say("  samples          {} of {} accepted, {} vertices, {} triangles each", s.accepted, s.samples, s.vertices,
+        s.triangles);
+    print_failures(s);
+    say("  worst accepted   penetration {:.2f} mm, stretch {:.3f}, residual force {:.1e} of the weight",
+        1e3 * s.worst_penetration, s.worst_stretch, s.worst_residual);
+    if (s.image_width > 0)
+        say("  images           {} x {} pixels, {} channels; read back within {:.3f} mm (root mean square {:.3f} mm)",
+            s.image_width, s.image_height, s.image_channels, 1e3 * s.image_error_max, 1e3 * s.image_error_rms);
+    say("  time             {:.1f} s in all, {:.2f} s a drape", s.seconds, s.mean_drape_seconds);
+    for (const std::string& remark : s.remarks) say("  note             {}", remark);
+}
+
+void print_drape(const simulate::DrapeResult& result, const std::string& path) {
+    const simulate::Certificate& c = result.certificate;
+    say("{}", path);
+    say("  status           {}", simulate::status_reason(result.status));
+    say("  residual force   {:.3e} of the garment's weight", c.residual_force);
+    say("  penetration      {:.3f} mm", 1e3 * c.body_penetration);
+    say("  crossings        {} triangle pairs", c.self_intersections);
+    say("  stretch          {:.4f} to {:.4f}", c.min_stretch, c.max_stretch);
+    say("  largest speed    {:.2e} m/s", c.max_speed);
+    const simulate::DrapeReport& r = result.report;
+    say("  time             {:.2f} s: level set {:.2f}, contact {:.2f}, assembly {:.2f}, factor {:.2f}, certificate "
+        "{:.2f}",
+        c.seconds, r.level_set_seconds, r.contact_seconds, r.assembly_seconds, r.factor_seconds, r.certificate_seconds);
+    say("  iterations       {} Newton, {} path steps, {} level sets", r.newton_iterations, r.path_steps, r.level_sets);
+}
+
+}  // namespace toile::app

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "generate/generate.h"
+#include "simulate/drape.h"
+
+/// What is said on stdout when work is done.
+namespace toile::app {
+
+void print_summary(const generate::GenerateSummary& summary);
+void print_drape(const simulate::DrapeResult& result, const std::string& path);
+
+}  // namespace toile::app

@@ -1,0 +1,117 @@
+#include "generate/scene.h"
+
+#include <algorithm>
+
+#include "cloth/error.h"
+
+namespace toile::generate {
+namespace {
+
+skin::Body build_body(const BodyConfig& config) {
+    return skin::make_builtin_body(config.builtin_options);
+}
+
+std::unique_ptr<skin::PoseSource> build_poses(const SceneConfig& config, const skin::Body& body) {
+    const PosesConfig& poses = *config.poses;
+    const std::string where = config.file + ":poses";
+    return std::make_unique<skin::SampledPoses>(skin::PoseSampler(body, poses.sampler, where), poses.count);
+}
+
+pattern::Garment build_garment(const SceneConfig& config, const std::optional<skin::Body>& body) {
+    return pattern::make_tshirt(*body, config.garment.tshirt);
+}
+
+/// The two vertices whose pattern positions are highest at either side.
+std::vector<int> top_corners(const ClothMesh& mesh) {
+    int left = 0, right = 0;
+    const auto score = [&](int p, double side) {
+        return mesh.pattern_position(p, 1) + side * mesh.pattern_position(p, 0);
+    };
+    for (int p = 1; p < mesh.pattern_position.rows(); ++p) {
+        if (score(p, -1) > score(left, -1)) left = p;
+        if (score(p, 1) > score(right, 1)) right = p;
+    }
+    std::vector<int> vertex;
+    for (int f = 0; f < mesh.triangle_count(); ++f)
+        for (int corner = 0; corner < 3; ++corner) {
+            const int p = mesh.pattern_triangle(f, corner);
+            if (p == left || p == right) vertex.push_back(mesh.triangle(f, corner));
+        }
+    std::sort(vertex.begin(), vertex.end());
+    vertex.erase(std::unique(vertex.begin(), vertex.end()), vertex.end());
+    return vertex;
+}
+
+std::vector<int> pinned_vertices(const SceneConfig& config, const ClothMesh& mesh) {
+    if (!config.pins) return {};
+    std::vector<int> vertex = config.pins->vertex;
+    for (const int one : vertex)
+        if (one < 0 || one >= mesh.vertex_count())
+            throw Error("pins.vertex names vertex " + std::to_string(one) + ", the garment has " +
+                            std::to_string(mesh.vertex_count()) + " vertices",
+                        config.file + ":pins.vertex");
+    if (config.pins->corners == "top")
+        for (const int one : top_corners(mesh)) vertex.push_back(one);
+    std::sort(vertex.begin(), vertex.end());
+    vertex.erase(std::unique(vertex.begin(), vertex.end()), vertex.end());
+    return vertex;
+}
+
+simulate::DrapeScene drape_scene(const Scene& scene) {
+    const SceneConfig& config = scene.config;
+    simulate::DrapeScene drape;
+    drape.mesh = scene.garment.mesh;
+    drape.membrane = config.membrane;
+    drape.bending = config.bending;
+    drape.contact = config.contact;
+    drape.body = scene.body;
+    if (config.body) drape.skinning = config.body->skinning;
+    drape.level_set = config.level_set;
+    drape.table = config.table;
+    drape.sphere = config.sphere;
+    drape.pinned = scene.pinned;
+    drape.solver = config.solver;
+    drape.schedule = config.path;
+    drape.gate = config.gate;
+    return drape;
+}
+
+}  // namespace
+
+Scene build_posed_body(const SceneConfig& config) {
+    Scene scene;
+    scene.config = config;
+    if (!config.body) return scene;
+    scene.body = build_body(*config.body);
+    if (!config.poses) return scene;
+    scene.poses = build_poses(config, *scene.body);
+    skin::PoseSelection selection;
+    selection.most = config.poses->count;
+    scene.pose_number = skin::selected_numbers(*scene.poses, selection, config.file + ":poses");
+    return scene;
+}
+
+Scene build_scene(const SceneConfig& config) {
+    Scene scene = build_posed_body(config);
+    scene.garment = build_garment(config, scene.body);
+    scene.garment.mesh.mass = lumped_mass(scene.garment.mesh, config.membrane.density_per_area);
+    scene.pinned = pinned_vertices(config, scene.garment.mesh);
+    return scene;
+}
+
+DressedScene dress(Scene scene) {
+    DressedScene dressed;
+    dressed.scene = std::move(scene);
+    dressed.draper = std::make_unique<simulate::Draper>(drape_scene(dressed.scene));
+    dressed.neutral = dressed.draper->drape_neutral();
+    if (dressed.neutral.status != simulate::DrapeStatus::accepted)
+        throw Error("the garment finds no rest in the neutral pose: " +
+                        std::string(simulate::status_reason(dressed.neutral.status)),
+                    dressed.scene.config.file, "look at it: toile simulate CONFIG --out neutral.glb");
+    dressed.mesh = dressed.scene.garment.mesh;
+    dressed.mesh.rest_position = dressed.neutral.position;
+    if (dressed.scene.body) dressed.embedding = pattern::embed(dressed.mesh, *dressed.scene.body);
+    return dressed;
+}
+
+}  // namespace toile::generate

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "generate/scene_config.h"
+#include "pattern/embedding.h"
+#include "pattern/garment.h"
+#include "simulate/drape.h"
+#include "skin/body.h"
+#include "skin/pose_source.h"
+
+namespace toile::generate {
+
+/// What a configuration describes, built: bodies and garments read or made, nothing draped yet.
+struct Scene {
+    SceneConfig config;
+    std::optional<skin::Body> body;
+    std::unique_ptr<skin::PoseSource> poses;  ///< null without [poses]
+    std::vector<std::int64_t> pose_number;    ///< `[N]` the poses wanted
+    pattern::Garment garment;                 ///< with masses
+    std::vector<int> pinned;
+};
+
+/// Only the body and its poses: all that `toile skin` needs.
+Scene build_posed_body(const SceneConfig& config);
+/// The whole scene.
+Scene build_scene(const SceneConfig& config);
+
+/// A scene with its garment draped in the neutral pose: what all samples share. Immutable.
+struct DressedScene {
+    Scene scene;
+    std::unique_ptr<simulate::Draper> draper;
+    simulate::DrapeResult neutral;                ///< the drape all others start from
+    ClothMesh mesh;                               ///< the garment with the neutral drape as its rest position
+    std::optional<pattern::Embedding> embedding;  ///< where there is a body
+};
+
+/// Drapes the garment in the neutral pose and shrink-wraps it to the body. Throws Error where the neutral drape is not
+/// accepted: no sample could be.
+DressedScene dress(Scene scene);
+
+}  // namespace toile::generate

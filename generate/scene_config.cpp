@@ -1,0 +1,66 @@
+#include "generate/scene_config.h"
+
+#include "cloth/error.h"
+#include "generate/scene_tables.h"
+
+namespace toile::generate {
+
+using files::ConfigFile;
+using files::ConfigTable;
+
+namespace {
+
+/// Tables that need another one: said at the place of the table that is there.
+void check_needs(const ConfigTable& root, const SceneConfig& config) {
+    for (const char* name : {"poses", "image", "level_set", "path", "split", "output"})
+        if (root.has(name) && !config.body)
+            throw Error(std::string("[") + name + "] needs [body], which this scene does not have", root.where(name));
+    for (const char* name : {"body", "table", "sphere"})
+        if (root.has(name) && !config.contact)
+            throw Error(std::string("[") + name + "] needs [contact], which this scene does not have", root.where(name),
+                        "add the line [contact]: its keys have defaults");
+    if (config.contact && !config.body && !config.table && !config.sphere)
+        throw Error("[contact] has nothing to touch", root.where("contact"),
+                    "add [body], [table] or [sphere], or remove it");
+    if (config.garment.source == GarmentSource::tshirt && !config.body)
+        throw Error("garment.source is \"tshirt\", which is cut to a body, and this scene has no [body]",
+                    root.where("garment"), "use \"patch\" or \"file\", or add [body]");
+}
+
+}  // namespace
+
+SceneConfig read_scene(const std::string& path, const std::vector<std::string>& overrides) {
+    const ConfigFile file(path, overrides);
+    SceneConfig config;
+    config.file = path;
+    ConfigTable root = file.root();
+    ConfigTable scene = root.section("scene", "what this is");
+    scene.text("name", config.name, "goes into the data set");
+    scene.seed("seed", config.seed, "of the pose sampler and the split");
+    bind_body(root, config);
+    bind_poses(root, config);
+    bind_garment(root, config);
+    bind_simulate(root, config);
+    bind_dataset(root, config);
+    file.refuse_unknown_keys();
+    check_needs(root, config);
+    config.text = file.resolved(ConfigFile::Paths::written);
+    config.absolute_text = file.resolved(ConfigFile::Paths::absolute);
+    config.hash = file.hash();
+    return config;
+}
+
+std::vector<std::string> left_out(const SceneConfig& config) {
+    std::vector<std::string> line;
+    if (!config.body) line.push_back("no [body]: no skinning, no level set, no embedding");
+    if (config.body && !config.poses) line.push_back("no [poses]: the neutral pose alone");
+    if (!config.bending) line.push_back("no [bending]: no hinges");
+    if (!config.contact) line.push_back("no [contact]: no contact code");
+    if (!config.table) line.push_back("no [table]: no plane");
+    if (!config.sphere) line.push_back("no [sphere]: no sphere");
+    if (!config.pins) line.push_back("no [pins]: no vertex is held");
+    if (!config.image) line.push_back("no [image]: no rasteriser");
+    return line;
+}
+
+}  // namespace toile::generate

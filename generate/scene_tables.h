@@ -1,0 +1,15 @@
+#pragma once
+
+#include "files/config_file.h"
+#include "generate/scene_config.h"
+
+/// One function a group of tables: names every key, with its bounds, unit and documentation.
+namespace toile::generate {
+
+void bind_body(files::ConfigTable& root, SceneConfig& config);      ///< [body] and what is below it
+void bind_poses(files::ConfigTable& root, SceneConfig& config);     ///< [poses], [poses.limits]; after the body
+void bind_garment(files::ConfigTable& root, SceneConfig& config);   ///< [garment]
+void bind_simulate(files::ConfigTable& root, SceneConfig& config);  ///< [material] to [gate]
+void bind_dataset(files::ConfigTable& root, SceneConfig& config);   ///< [image], [split], [output]
+
+}  // namespace toile::generate

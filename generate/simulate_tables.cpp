@@ -1,0 +1,106 @@
+#include "generate/scene_tables.h"
+
+namespace toile::generate {
+
+using files::ConfigTable;
+
+namespace {
+
+void bind_material(ConfigTable& root, SceneConfig& config) {
+    ConfigTable table = root.section("material", "the cloth, per area of pattern");
+    simulate::MembraneOptions& m = config.membrane;
+    table.real("density_per_area", m.density_per_area, {.lower = 0.001, .upper = 100, .unit = "kg/m^2", .doc = "mass"});
+    table.real("warp_stiffness", m.warp_stiffness,
+               {.lower = 0, .above = true, .unit = "N/m", .doc = "against stretch along the pattern's v"});
+    table.real("weft_stiffness", m.weft_stiffness,
+               {.lower = 0, .above = true, .unit = "N/m", .doc = "against stretch along the pattern's u"});
+    table.real("shear_stiffness", m.shear_stiffness,
+               {.lower = 0, .above = true, .unit = "N/m", .doc = "against shear"});
+    table.real("poisson_ratio", m.poisson_ratio, {.lower = 0, .upper = 0.49, .doc = "coupling of warp and weft"});
+    if (auto bending = root.table("bending", "hinges between neighbouring triangles, flat at rest")) {
+        config.bending.emplace();
+        bending->real("stiffness", config.bending->stiffness, {.lower = 0, .above = true, .unit = "N m"});
+    }
+}
+
+void bind_contact(ConfigTable& root, SceneConfig& config) {
+    if (auto table = root.table("contact", "contact with the body, the table and the sphere")) {
+        config.contact.emplace();
+        table->real("thickness", config.contact->thickness,
+                    {.lower = 0.0001, .upper = 0.02, .unit = "m", .doc = "distance the cloth keeps"});
+        table->real("friction", config.contact->friction, {.lower = 0, .upper = 2, .doc = "Coulomb coefficient"});
+    }
+    if (auto table = root.table("table", "a horizontal plane, the cloth above it")) {
+        config.table.emplace();
+        table->real("height", config.table->height, {.lower = -1000, .upper = 1000, .unit = "m"});
+    }
+    if (auto table = root.table("sphere", "a fixed sphere")) {
+        config.sphere.emplace();
+        table->vector("center", config.sphere->center, {.lower = -1000, .upper = 1000, .unit = "m"});
+        table->real("radius", config.sphere->radius, {.lower = 0, .upper = 1000, .above = true, .unit = "m"});
+    }
+    if (auto table = root.table("pins", "vertices held where they start")) {
+        config.pins.emplace();
+        table->integers("vertex", config.pins->vertex, {.lower = 0, .doc = "vertex indices"});
+        table->choice<std::string>("corners", config.pins->corners, {{"", ""}, {"top", "top"}},
+                                   "top: the two upper corners of the pattern");
+    }
+}
+
+void bind_level_set(ConfigTable& root, SceneConfig& config) {
+    ConfigTable table = root.section("level_set", "the body as a distance field");
+    table.real("voxel", config.level_set.voxel, {.lower = 0.001, .upper = 0.02, .unit = "m", .doc = "grid spacing"});
+    table.real("error_bound", config.level_set.error_bound,
+               {.lower = 0.00001, .upper = 0.01, .unit = "m", .doc = "rebuilt before the surface is off by more"});
+}
+
+void bind_solver(ConfigTable& root, SceneConfig& config) {
+    ConfigTable table = root.section("simulate", "the integrator, and what at rest means");
+    simulate::SolverOptions& s = config.solver;
+    table.choice<std::string>("solver", s.solver, {{"implicit", "implicit"}}, "implicit Euler by Newton's method");
+    table.real("time_step", s.time_step, {.lower = 0.0001, .upper = 0.2, .unit = "s", .doc = "while the cloth moves"});
+    table.real("damping", s.damping,
+               {.lower = 0, .upper = 1000, .unit = "1/s", .doc = "proportional to mass, relative to the moving body"});
+    table.vector("gravity", s.gravity, {.lower = -1000, .upper = 1000, .unit = "m/s^2"});
+    table.real("residual_tolerance", s.residual_tolerance,
+               {.lower = 1e-9, .upper = 0.1, .doc = "net force over the garment's weight at rest"});
+    table.real("speed_tolerance", s.speed_tolerance,
+               {.lower = 0, .upper = 10, .above = true, .unit = "m/s", .doc = "largest vertex speed at rest"});
+    table.integer("max_iterations", s.max_iterations,
+                  {.lower = 1, .upper = 1000000, .doc = "Newton iterations for one drape"});
+}
+
+void bind_path(ConfigTable& root, SceneConfig& config) {
+    ConfigTable table = root.section("path", "the way from the neutral drape to a pose");
+    simulate::ScheduleOptions& p = config.path;
+    table.real("joint_step", p.joint_step,
+               {.lower = 0.005, .upper = 1, .unit = "rad", .doc = "largest rotation of any joint in one step"});
+    table.integer("path_iterations", p.path_iterations,
+                  {.lower = 1, .upper = 100, .doc = "Newton iterations at most in one step"});
+    table.real(
+        "path_tolerance", p.path_tolerance,
+        {.lower = 0, .upper = 0.1, .above = true, .unit = "m", .doc = "a step ends once no vertex moves further"});
+}
+
+void bind_gate(ConfigTable& root, SceneConfig& config) {
+    ConfigTable table = root.section("gate", "what a drape must satisfy to be accepted");
+    simulate::GateOptions& g = config.gate;
+    table.real("body_penetration", g.body_penetration,
+               {.lower = 0, .upper = 0.1, .unit = "m", .doc = "deepest vertex below the body's mesh"});
+    table.real("residual_force", g.residual_force,
+               {.lower = 0, .upper = 1, .above = true, .doc = "net force over the garment's weight"});
+    table.real("max_stretch", g.max_stretch, {.lower = 1, .upper = 10, .doc = "edge length over rest length"});
+}
+
+}  // namespace
+
+void bind_simulate(ConfigTable& root, SceneConfig& config) {
+    bind_material(root, config);
+    bind_contact(root, config);
+    if (config.body || root.has("level_set")) bind_level_set(root, config);
+    bind_solver(root, config);
+    if (config.body || root.has("path")) bind_path(root, config);
+    bind_gate(root, config);
+}
+
+}  // namespace toile::generate
