@@ -46,6 +46,8 @@ class ConfigTable {
 
     /// The table below this one, or nothing where it is absent; Error if `name` is there and not a table.
     std::optional<ConfigTable> table(std::string_view name, std::string_view doc);
+    /// The same for a table whose absence means that all of its keys have their defaults.
+    ConfigTable section(std::string_view name, std::string_view doc);
 
     void real(std::string_view key, double& value, const ConfigField& field);
     void real(std::string_view key, std::optional<double>& value, const ConfigField& field);

@@ -87,9 +87,14 @@ const toml::node* take(ConfigDocument& document, const std::string& path, std::s
 }  // namespace
 
 std::optional<ConfigTable> ConfigTable::table(std::string_view name, std::string_view doc) {
+    if (has(name)) return section(name, doc);
+    take(*document_, path_, name);
+    return std::nullopt;
+}
+
+ConfigTable ConfigTable::section(std::string_view name, std::string_view doc) {
     const toml::node* node = take(*document_, path_, name);
-    if (!node) return std::nullopt;
-    if (!node->is_table()) fail(name, "is " + show(*node) + ", a table is expected");
+    if (node && !node->is_table()) fail(name, "is " + show(*node) + ", a table is expected");
     const std::string path = detail::join(path_, name);
     document_->section_of(path).doc = doc;
     return ConfigTable(document_, path);

@@ -5,21 +5,51 @@ namespace toile::generate {
 
 using files::ConfigTable;
 
+files::ConfigChoices<std::string> axis_choices() {
+    return {{"auto", "auto"}, {"x", "x"}, {"y", "y"}, {"z", "z"}, {"-x", "-x"}, {"-y", "-y"}, {"-z", "-z"}};
+}
+
+namespace {
+
+skin::Role role_of(const ConfigTable& table, std::string_view key, const std::string& name) {
+    try {
+        return skin::role_from_name(name);
+    } catch (const Error& error) {
+        throw Error(error.what(), table.where(key), error.mend());
+    }
+}
+
+void bind_builtin(ConfigTable& table, skin::BuiltinBodyOptions& b) {
+    table.real("height", b.height, {.lower = 1.2, .upper = 2.2, .unit = "m"});
+    table.real("girth", b.girth, {.lower = 0.7, .upper = 1.4, .doc = "scales the thickness of trunk and limbs"});
+    table.real("voxel", b.voxel, {.lower = 0.008, .upper = 0.03, .unit = "m", .doc = "resolution of the surface"});
+}
+
+void bind_rigged(ConfigTable& table, BodyConfig& body) {
+    skin::RiggedBodyOptions& r = body.rigged_options;
+    table.path("file", body.file, "glTF, FBX or Collada with a skin");
+    if (body.file.written.empty()) table.fail("file", "is missing: body.source is \"file\"");
+    table.choice<std::string>("up", r.up, axis_choices(), "axis of the file that points up");
+    table.real("metres_per_unit", r.metres_per_unit,
+               {.lower = 0, .upper = 1000, .unit = "m", .doc = "length of the file's unit; 0: found out"});
+    table.texts("mesh", r.mesh, "names of the meshes to join; none: all that have a skin");
+    if (auto roles = table.table("roles", "joint names for roles; the others are found by name and place"))
+        for (const std::string& name : roles->keys())
+            roles->text(name, r.role[role_of(*roles, name, name)], "a joint's name");
+}
+
+}  // namespace
+
 void bind_body(ConfigTable& root, SceneConfig& config) {
     auto table = root.table("body", "what the garment is worn on");
     if (!table) return;
     config.body.emplace();
     BodyConfig& body = *config.body;
     table->choice<bool>("source", body.builtin, {{"builtin", true}, {"file", false}}, "made by code, or a rigged body");
-    if (body.builtin) {
-        skin::BuiltinBodyOptions& b = body.builtin_options;
-        table->real("height", b.height, {.lower = 1.2, .upper = 2.2, .unit = "m"});
-        table->real("girth", b.girth, {.lower = 0.7, .upper = 1.4, .doc = "scales the thickness of trunk and limbs"});
-        table->real("voxel", b.voxel, {.lower = 0.008, .upper = 0.03, .unit = "m", .doc = "resolution of the surface"});
-    } else {
-        table->path("file", body.file, "glTF, FBX or Collada with a skin");
-        if (body.file.written.empty()) table->fail("file", "is missing: body.source is \"file\"");
-    }
+    if (body.builtin)
+        bind_builtin(*table, body.builtin_options);
+    else
+        bind_rigged(*table, body);
     table->choice<skin::SkinningMethod>(
         "skinning", body.skinning,
         {{"linear", skin::SkinningMethod::linear}, {"dual_quaternion", skin::SkinningMethod::dual_quaternion}},
@@ -33,14 +63,8 @@ void bind_limits(ConfigTable& poses, skin::SamplerOptions& sampler) {
     auto table = poses.table("limits", "joint limits by role, in place of the usual ones");
     if (!table) return;
     for (const std::string& name : table->keys()) {
-        const skin::Role role = [&] {
-            try {
-                return skin::role_from_name(name);
-            } catch (const Error& error) {
-                throw Error(error.what(), table->where(name), error.mend());
-            }
-        }();
-        ConfigTable limit = *table->table(name, "raise, swing and twist");
+        const skin::Role role = role_of(*table, name, name);
+        ConfigTable limit = table->section(name, "");
         skin::JointLimit& value = sampler.limits.emplace(role, skin::default_limit(role)).first->second;
         const files::ConfigField field{.lower = -6.2832, .upper = 6.2832, .unit = "rad"};
         limit.interval("raise", value.lower[0], value.upper[0], field);
@@ -54,11 +78,7 @@ void bind_roles(ConfigTable& poses, skin::SamplerOptions& sampler) {
     for (const skin::Role role : sampler.roles) word.emplace_back(skin::role_name(role));
     poses.texts("roles", word, "the joints that move");
     sampler.roles.clear();
-    try {
-        for (const std::string& one : word) sampler.roles.push_back(skin::role_from_name(one));
-    } catch (const Error& error) {
-        throw Error(error.what(), poses.where("roles"), error.mend());
-    }
+    for (const std::string& one : word) sampler.roles.push_back(role_of(poses, "roles", one));
 }
 
 }  // namespace

@@ -3,16 +3,20 @@
 #include <algorithm>
 
 #include "cloth/error.h"
+#include "skin/pose_table.h"
 
 namespace toile::generate {
 namespace {
 
-skin::Body build_body(const BodyConfig& config) {
-    return skin::make_builtin_body(config.builtin_options);
+skin::RiggedBody build_body(const BodyConfig& config) {
+    if (config.builtin) return {skin::make_builtin_body(config.builtin_options), {}};
+    return skin::read_rigged_body(config.file.resolved, config.rigged_options);
 }
 
 std::unique_ptr<skin::PoseSource> build_poses(const SceneConfig& config, const skin::Body& body) {
     const PosesConfig& poses = *config.poses;
+    if (poses.source == PoseSource::table)
+        return std::make_unique<skin::PoseList>(skin::read_pose_table(body, poses.file.resolved));
     const std::string where = config.file + ":poses";
     return std::make_unique<skin::SampledPoses>(skin::PoseSampler(body, poses.sampler, where), poses.count);
 }
@@ -82,7 +86,9 @@ Scene build_posed_body(const SceneConfig& config) {
     Scene scene;
     scene.config = config;
     if (!config.body) return scene;
-    scene.body = build_body(*config.body);
+    skin::RiggedBody rigged = build_body(*config.body);
+    scene.body = std::move(rigged.body);
+    scene.remarks = std::move(rigged.remarks);
     if (!config.poses) return scene;
     scene.poses = build_poses(config, *scene.body);
     skin::PoseSelection selection;
@@ -95,6 +101,7 @@ Scene build_scene(const SceneConfig& config) {
     Scene scene = build_posed_body(config);
     scene.garment = build_garment(config, scene.body);
     scene.garment.mesh.mass = lumped_mass(scene.garment.mesh, config.membrane.density_per_area);
+    scene.remarks.insert(scene.remarks.end(), scene.garment.remarks.begin(), scene.garment.remarks.end());
     scene.pinned = pinned_vertices(config, scene.garment.mesh);
     return scene;
 }

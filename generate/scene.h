@@ -22,6 +22,7 @@ struct Scene {
     std::vector<std::int64_t> pose_number;    ///< `[N]` the poses wanted
     pattern::Garment garment;                 ///< with masses
     std::vector<int> pinned;
+    std::vector<std::string> remarks;  ///< what was found out or mended in body and garment, one sentence each
 };
 
 /// Only the body and its poses: all that `toile skin` needs.

@@ -16,6 +16,7 @@
 #include "skin/builtin_body.h"
 #include "skin/pose_sampler.h"
 #include "skin/pose_source.h"
+#include "skin/rigged_body.h"
 #include "skin/skinning.h"
 
 namespace toile::generate {
@@ -25,6 +26,7 @@ struct BodyConfig {
     bool builtin = true;
     skin::BuiltinBodyOptions builtin_options;
     files::ConfigPath file;
+    skin::RiggedBodyOptions rigged_options;
     skin::SkinningMethod skinning = skin::SkinningMethod::linear;
 };
 

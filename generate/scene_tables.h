@@ -6,6 +6,9 @@
 /// One function a group of tables: names every key, with its bounds, unit and documentation.
 namespace toile::generate {
 
+/// Words for an axis that points up, "auto" where it is to be found out.
+files::ConfigChoices<std::string> axis_choices();
+
 void bind_body(files::ConfigTable& root, SceneConfig& config);      ///< [body] and what is below it
 void bind_poses(files::ConfigTable& root, SceneConfig& config);     ///< [poses], [poses.limits]; after the body
 void bind_garment(files::ConfigTable& root, SceneConfig& config);   ///< [garment]
