@@ -1,7 +1,11 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <string_view>
 #include <vector>
+
+#include "cloth/cloth_mesh.h"
+#include "cloth/topology.h"
 
 namespace toile::simulate {
 
@@ -23,9 +27,22 @@ enum class DrapeStatus {
     penetrates_body = 2,
     overstretched = 3,
     not_finite = 4,
-    pose_out_of_reach = 5,  ///< the pose itself is unusable (not finite)
 };
+inline constexpr int drape_status_count = 5;
+
 std::string_view status_reason(DrapeStatus status);
 std::vector<std::string_view> status_reasons();  ///< index = status, for the attribute `reasons`
+
+/// Rest length of each edge `[E]` [m]: the mean of its pattern lengths over its triangles (contract, mesh group).
+Eigen::VectorXd edge_rest_lengths(const ClothMesh& mesh, const Topology& topology);
+
+struct StretchRange {
+    double largest, smallest;  ///< edge length over rest length
+};
+StretchRange stretch_range(const Topology& topology, const Eigen::VectorXd& rest_length, const Positions& position);
+
+/// How deep the deepest cloth vertex lies below the body's mesh [m], 0 where none does. Against the triangles, not the
+/// level set.
+double body_penetration(const Triangles& body_triangle, const Positions& posed_body, const Positions& cloth);
 
 }  // namespace toile::simulate

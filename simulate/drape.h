@@ -37,7 +37,7 @@ struct DrapeScene {
 /// Where the time of one drape went [s], and counts.
 struct DrapeReport {
     double level_set_seconds = 0, contact_seconds = 0, assembly_seconds = 0, factor_seconds = 0,
-           certificate_seconds = 0;
+           line_search_seconds = 0, certificate_seconds = 0;
     int path_steps = 0, level_sets = 0, newton_iterations = 0, line_search_halvings = 0;
 };
 
@@ -61,8 +61,9 @@ class Draper {
     /// From the neutral drape along interpolated poses to `pose`, and on until it rests.
     DrapeResult drape(const Positions& neutral_drape, const skin::Pose& pose) const;
 
-  private:
     struct Impl;
+
+  private:
     std::unique_ptr<Impl> impl_;
 };
 

@@ -47,7 +47,9 @@ struct SolverOptions {
 
 /// The way from the neutral drape to a pose.
 struct ScheduleOptions {
-    double joint_step = 0.12;  ///< largest rotation of any joint in one path step [rad], 0.005 to 1
+    double joint_step = 0.12;        ///< largest rotation of any joint in one path step [rad], 0.005 to 1
+    int path_iterations = 3;         ///< Newton iterations at most in a path step, 1 to 100
+    double path_tolerance = 0.0005;  ///< a path step ends once an iteration moves no vertex further than this [m]
 };
 
 /// What a drape must satisfy to be accepted.

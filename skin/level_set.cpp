@@ -103,6 +103,40 @@ std::array<double, 8> corner_values(FloatCursor& cursor, const Coord& corner) {
     return value;
 }
 
+/// Quadratic B-spline around the voxel nearest to a point: three weights an axis and their derivatives.
+struct Spline {
+    Coord centre;
+    std::array<Eigen::Vector3d, 3> weight, slope;  // [axis][-1, 0, +1]
+
+    explicit Spline(const Eigen::Vector3d& index) {
+        for (int axis = 0; axis < 3; ++axis) {
+            const double nearest = std::floor(index[axis] + 0.5), f = index[axis] - nearest;
+            centre[axis] = static_cast<int>(nearest);
+            weight[axis] << 0.5 * (0.5 - f) * (0.5 - f), 0.75 - f * f, 0.5 * (0.5 + f) * (0.5 + f);
+            slope[axis] << f - 0.5, -2.0 * f, f + 0.5;
+        }
+    }
+};
+
+/// The 27 values around a voxel, x slowest.
+std::array<double, 27> spline_values(FloatCursor& cursor, const Coord& centre) {
+    constexpr int last = Leaf::DIM - 1;
+    std::array<double, 27> value;
+    const auto inside = [](int index) { return (index & last) > 0 && (index & last) < last; };
+    if (inside(centre[0]) && inside(centre[1]) && inside(centre[2])) {
+        if (const Leaf* leaf = cursor.probeConstLeaf(centre)) {
+            const float* data = leaf->buffer().data() + Leaf::coordToOffset(centre);
+            constexpr int dx = Leaf::DIM * Leaf::DIM, dy = Leaf::DIM;
+            for (int k = 0; k < 27; ++k) value[k] = data[(k / 9 - 1) * dx + (k / 3 % 3 - 1) * dy + k % 3 - 1];
+        } else {
+            value.fill(cursor.getValue(centre));
+        }
+        return value;
+    }
+    for (int k = 0; k < 27; ++k) value[k] = cursor.getValue(centre.offsetBy(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1));
+    return value;
+}
+
 double interpolate(const std::array<double, 8>& value, const Eigen::Vector3d& t) {
     const auto mix = [](double a, double b, double s) { return a + s * (b - a); };
     const double x0 = mix(mix(value[0], value[1], t[2]), mix(value[2], value[3], t[2]), t[1]);
@@ -230,6 +264,38 @@ double LevelSet::Sampler::distance(const Eigen::Vector3d& point) const {
     if (!impl_->within_bounds(index)) return band_width;
     const Cell cell(index);
     return impl_->within_band(interpolate(corner_values(impl_->distance, cell.corner), cell.fraction));
+}
+
+LevelSet::Sampler::Smooth LevelSet::Sampler::smooth(const Eigen::Vector3d& point) const {
+    const Eigen::Vector3d index = point * impl_->per_voxel;
+    if (!impl_->within_bounds(index)) return {impl_->level_set->band_width, Eigen::Vector3d::Zero()};
+    const Spline spline(index);
+    const std::array<double, 27> value = spline_values(impl_->distance, spline.centre);
+    Smooth smooth{0.0, Eigen::Vector3d::Zero()};
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            const Eigen::Map<const Eigen::Vector3d> row(value.data() + 9 * i + 3 * j);
+            const double along = row.dot(spline.weight[2]), wx = spline.weight[0][i], wy = spline.weight[1][j];
+            smooth.distance += wx * wy * along;
+            smooth.gradient += Eigen::Vector3d(spline.slope[0][i] * wy * along, wx * spline.slope[1][j] * along,
+                                               wx * wy * row.dot(spline.slope[2]));
+        }
+    }
+    smooth.gradient *= impl_->per_voxel;
+    return smooth;
+}
+
+double LevelSet::Sampler::smooth_distance(const Eigen::Vector3d& point) const {
+    const Eigen::Vector3d index = point * impl_->per_voxel;
+    if (!impl_->within_bounds(index)) return impl_->level_set->band_width;
+    const Spline spline(index);
+    const std::array<double, 27> value = spline_values(impl_->distance, spline.centre);
+    double distance = 0.0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            distance += spline.weight[0][i] * spline.weight[1][j] *
+                        Eigen::Map<const Eigen::Vector3d>(value.data() + 9 * i + 3 * j).dot(spline.weight[2]);
+    return distance;
 }
 
 namespace {

@@ -38,6 +38,15 @@ class LevelSet {
         Sample operator()(const Eigen::Vector3d& point) const;
         double distance(const Eigen::Vector3d& point) const;  ///< the distance alone
 
+        struct Smooth {
+            double distance;           ///< [m]
+            Eigen::Vector3d gradient;  ///< continuous in the point
+        };
+        /// The grid smoothed by quadratic B-splines: once continuously differentiable, as a minimiser wants it. Lies above the
+        /// distance by about voxel²/8 times the sum of the principal curvatures on a convex surface.
+        Smooth smooth(const Eigen::Vector3d& point) const;
+        double smooth_distance(const Eigen::Vector3d& point) const;  ///< the distance of `smooth` alone
+
       private:
         struct Impl;
         std::unique_ptr<Impl> impl_;

@@ -1,0 +1,182 @@
+#include "simulate/collision_body.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "cloth/topology.h"
+#include "simulate/stopwatch.h"
+
+namespace toile::simulate {
+namespace {
+
+/// A joint that has turned further than this since the level set was made may bring another part of the body close
+/// [rad].
+constexpr double largest_carried_rotation = 0.35;
+
+/// Which body vertices have a cloth vertex within about `reach`: a grid of that spacing, looked up with its neighbours.
+std::vector<bool> vertices_near(const Positions& body, const Positions& cloth, double reach) {
+    using Key = std::array<int, 3>;
+    auto key_of = [&](const auto& row, const Key& shift) {
+        Key key;
+        for (int axis = 0; axis < 3; ++axis) key[axis] = static_cast<int>(std::floor(row[axis] / reach)) + shift[axis];
+        return key;
+    };
+    std::set<Key> occupied;
+    for (int v = 0; v < cloth.rows(); ++v)
+        for (int shift = 0; shift < 27; ++shift)
+            occupied.insert(key_of(cloth.row(v), {shift / 9 - 1, shift / 3 % 3 - 1, shift % 3 - 1}));
+    std::vector<bool> near(static_cast<size_t>(body.rows()));
+    for (int v = 0; v < body.rows(); ++v) near[v] = occupied.contains(key_of(body.row(v), {0, 0, 0}));
+    return near;
+}
+
+}  // namespace
+
+Positions ReachableSurface::positions(const Positions& posed_body) const {
+    Positions all(body_vertex_count + static_cast<int>(cap.size()), 3);
+    all.topRows(body_vertex_count) = posed_body;
+    for (size_t k = 0; k < cap.size(); ++k) {
+        Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
+        for (int v : cap[k]) centre += posed_body.row(v);
+        all.row(body_vertex_count + static_cast<int>(k)) = centre / static_cast<double>(cap[k].size());
+    }
+    return all;
+}
+
+ReachableSurface reachable_surface(const skin::Body& body, const Positions& neutral_cloth, double reach) {
+    const std::vector<bool> near = vertices_near(body.rest_position, neutral_cloth, reach);
+    std::vector<int> kept;
+    for (int f = 0; f < body.triangle.rows(); ++f)
+        if (near[body.triangle(f, 0)] || near[body.triangle(f, 1)] || near[body.triangle(f, 2)]) kept.push_back(f);
+
+    ReachableSurface surface;
+    surface.body_vertex_count = body.vertex_count();
+    surface.share =
+        static_cast<double>(kept.size()) / static_cast<double>(std::max<Eigen::Index>(body.triangle.rows(), 1));
+    Triangles cut(static_cast<int>(kept.size()), 3);
+    for (size_t k = 0; k < kept.size(); ++k) cut.row(static_cast<int>(k)) = body.triangle.row(kept[k]);
+    surface.cap = boundary_loops(cut);
+    int fans = 0;
+    for (const std::vector<int>& loop : surface.cap) fans += static_cast<int>(loop.size());
+    surface.triangle.resize(cut.rows() + fans, 3);
+    surface.triangle.topRows(cut.rows()) = cut;
+    int row = static_cast<int>(cut.rows());
+    for (size_t k = 0; k < surface.cap.size(); ++k) {
+        const std::vector<int>& loop = surface.cap[k];
+        const int centre = surface.body_vertex_count + static_cast<int>(k);
+        for (size_t i = 0; i < loop.size(); ++i)
+            surface.triangle.row(row++) << loop[(i + 1) % loop.size()], loop[i], centre;
+    }
+    return surface;
+}
+
+CollisionBody::CollisionBody(const skin::Body& body, skin::SkinningMethod method, const ReachableSurface& surface,
+                             const LevelSetOptions& options, double thickness)
+    : body_(body),
+      method_(method),
+      surface_(surface),
+      options_(options),
+      // Room for the thickness, for what a time step moves relative to the body, and for the interpolation's stencil.
+      band_width_(std::max(4.0 * options.voxel, thickness + 3.0 * options.voxel)),
+      neighbour_(static_cast<size_t>(body.vertex_count())),
+      in_use_(static_cast<size_t>(body.vertex_count()), 0) {
+    for (int f = 0; f < surface.triangle.rows(); ++f) {
+        for (int corner = 0; corner < 3; ++corner) {
+            const int a = surface.triangle(f, corner), b = surface.triangle(f, (corner + 1) % 3);
+            if (a < body.vertex_count() && b < body.vertex_count()) neighbour_[a].push_back(b);
+        }
+    }
+}
+
+CollisionBody::State CollisionBody::state_at(const skin::Pose& pose) const {
+    return {skin::skin_positions(body_, pose, method_), skin::blended_rotations(body_, pose), pose};
+}
+
+double CollisionBody::carried_error() const {
+    double worst = 0.0;
+    for (size_t v = 0; v < in_use_.size(); ++v) {
+        if (!in_use_[v]) continue;
+        for (int w : neighbour_[v]) {
+            const Eigen::Vector3d before =
+                (built_.position.row(w) - built_.position.row(static_cast<int>(v))).transpose();
+            const Eigen::Vector3d after = (now_.position.row(w) - now_.position.row(static_cast<int>(v))).transpose();
+            worst = std::max(worst, (after - since_built_[v] * before).norm());
+        }
+    }
+    return worst;
+}
+
+void CollisionBody::move_to(const skin::Pose& pose, bool exact, DrapeReport& report) {
+    const Stopwatch watch(report.level_set_seconds);
+    State next = state_at(pose);
+    before_ = level_set_ ? std::move(now_) : next;
+    now_ = std::move(next);
+    since_built_.resize(now_.rotation.size());
+    bool make = exact || !level_set_ || skin::largest_joint_rotation(built_.pose, pose) > largest_carried_rotation;
+    if (!make) {
+        for (size_t v = 0; v < since_built_.size(); ++v)
+            since_built_[v] = (now_.rotation[v] * built_.rotation[v].conjugate()).toRotationMatrix();
+        make = carried_error() > options_.error_bound;
+    }
+    if (make) {
+        ++report.level_sets;
+        sampler_.reset();
+        level_set_ = std::make_unique<skin::LevelSet>(surface_.triangle, surface_.positions(now_.position),
+                                                      options_.voxel, band_width_);
+        sampler_.emplace(*level_set_);
+        built_ = now_;
+        std::fill(since_built_.begin(), since_built_.end(), Eigen::Matrix3d::Identity());
+    }
+    std::fill(in_use_.begin(), in_use_.end(), 0);
+}
+
+Eigen::Vector3d CollisionBody::carry(const Eigen::Vector3d& point, int piece) const {
+    const Eigen::Quaterniond turn = now_.rotation[piece] * before_.rotation[piece].conjugate();
+    return turn * (point - before_.position.row(piece).transpose()) + now_.position.row(piece).transpose();
+}
+
+Eigen::Vector3d CollisionBody::to_built(const Eigen::Vector3d& world, int piece) const {
+    return since_built_[piece].transpose() * (world - now_.position.row(piece).transpose()) +
+           built_.position.row(piece).transpose();
+}
+
+Obstacle::Contact CollisionBody::sample(const Eigen::Vector3d& point, int piece) const {
+    const skin::LevelSet::Sampler::Smooth smooth = sampler_->smooth(to_built(point, piece));
+    return {smooth.distance, since_built_[piece] * smooth.gradient};
+}
+
+double CollisionBody::distance(const Eigen::Vector3d& point, int piece) const {
+    return sampler_->smooth_distance(to_built(point, piece));
+}
+
+int CollisionBody::piece_near(const Eigen::Vector3d& point, int last) const {
+    const skin::LevelSet::Sample sample = (*sampler_)(to_built(point, last));
+    if (sample.triangle < 0) return last;
+    const Eigen::RowVector3d p = to_built(point, last).transpose();
+    int nearest = last;
+    double nearest_squared = std::numeric_limits<double>::infinity();
+    for (int corner = 0; corner < 3; ++corner) {
+        const int v = surface_.triangle(sample.triangle, corner);
+        if (v >= body_.vertex_count()) continue;
+        const double squared = (built_.position.row(v) - p).squaredNorm();
+        if (squared < nearest_squared) {
+            nearest_squared = squared;
+            nearest = v;
+        }
+    }
+    in_use_[nearest] = 1;
+    return nearest;
+}
+
+Eigen::Vector3d CollisionBody::to_world(const Eigen::Vector3d& local, int piece) const {
+    return now_.rotation[piece] * local + now_.position.row(piece).transpose();
+}
+
+Eigen::Vector3d CollisionBody::to_local(const Eigen::Vector3d& world, int piece) const {
+    return now_.rotation[piece].conjugate() * (world - now_.position.row(piece).transpose());
+}
+
+}  // namespace toile::simulate

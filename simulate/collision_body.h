@@ -1,0 +1,78 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "simulate/drape.h"
+#include "simulate/obstacle.h"
+#include "skin/level_set.h"
+#include "skin/pose.h"
+
+namespace toile::simulate {
+
+/// The part of a body that a garment can reach, closed: what a level set is made of. Open boundaries, of the body
+/// itself or of the cut, are capped by a fan around their mean. Topology only; shared by all poses.
+struct ReachableSurface {
+    Triangles triangle;                 ///< into body vertices, then cap centres
+    std::vector<std::vector<int>> cap;  ///< body vertices around each cap centre
+    int body_vertex_count = 0;
+    double share = 1.0;  ///< of the body's triangles that are kept
+
+    /// Body positions followed by the caps' centres.
+    Positions positions(const Positions& posed_body) const;
+};
+
+/// Keeps what lies within `reach` [m] of the garment in the neutral pose.
+ReachableSurface reachable_surface(const skin::Body& body, const Positions& neutral_cloth, double reach);
+
+/// The moving body as an obstacle: a level set, made anew when the body has deformed too much, and carried along
+/// rigidly piece by piece in between. A piece is a body vertex with the blended rotation of its joints.
+class CollisionBody final : public Obstacle {
+  public:
+    CollisionBody(const skin::Body& body, skin::SkinningMethod method, const ReachableSurface& surface,
+                  const LevelSetOptions& options, double thickness);
+
+    /// Moves the body. `exact` makes the level set anew whatever the error; else only where the carried one would be
+    /// off by more than the error bound (see `carried_error`).
+    void move_to(const skin::Pose& pose, bool exact, DrapeReport& report);
+
+    /// Where the last move takes a point that is tied to `piece`.
+    Eigen::Vector3d carry(const Eigen::Vector3d& point, int piece) const;
+
+    Contact sample(const Eigen::Vector3d& point, int piece) const override;
+    double distance(const Eigen::Vector3d& point, int piece) const override;
+    int piece_near(const Eigen::Vector3d& point, int last) const override;
+    Eigen::Vector3d to_world(const Eigen::Vector3d& local, int piece) const override;
+    Eigen::Vector3d to_local(const Eigen::Vector3d& world, int piece) const override;
+
+    const Positions& position() const { return now_.position; }  ///< posed body `[Vb x 3]`
+
+  private:
+    struct State {
+        Positions position;
+        std::vector<Eigen::Quaterniond> rotation;
+        skin::Pose pose;
+    };
+    State state_at(const skin::Pose& pose) const;
+    /// How far the surface around each piece in use is from where its rigid motion carries it: the largest distance
+    /// between a neighbour of the piece's vertex and that neighbour carried by the piece [m].
+    double carried_error() const;
+    Eigen::Vector3d to_built(const Eigen::Vector3d& world, int piece) const;
+
+    const skin::Body& body_;
+    skin::SkinningMethod method_;
+    const ReachableSurface& surface_;
+    LevelSetOptions options_;
+    double band_width_;
+    std::vector<std::vector<int>> neighbour_;   // of each body vertex in reach
+    mutable std::vector<std::uint8_t> in_use_;  // pieces points are tied to
+    State built_, before_, now_;
+    std::vector<Eigen::Matrix3d> since_built_;  // rotation of each vertex since the level set was built
+    std::unique_ptr<skin::LevelSet> level_set_;
+    std::optional<skin::LevelSet::Sampler> sampler_;
+};
+
+}  // namespace toile::simulate

@@ -1,0 +1,185 @@
+#include "simulate/contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace toile::simulate {
+namespace {
+
+/// How far a sticking point may be dragged before it slides [m]: small against the mesh, large against rounding.
+constexpr double stick_distance = 2e-4;
+
+double lumped_area(const ClothMesh& mesh, int f) {
+    const auto p = mesh.pattern_triangle.row(f);
+    const Eigen::RowVector2d u = mesh.pattern_position.row(p[1]) - mesh.pattern_position.row(p[0]);
+    const Eigen::RowVector2d v = mesh.pattern_position.row(p[2]) - mesh.pattern_position.row(p[0]);
+    return 0.5 * std::abs(u.x() * v.y() - u.y() * v.x());
+}
+
+}  // namespace
+
+std::vector<ContactPoint> contact_points(const ClothMesh& mesh, const Topology& topology, const BlockMatrix& pattern) {
+    std::vector<ContactPoint> points(static_cast<size_t>(mesh.vertex_count() + topology.edge.rows()));
+    for (int v = 0; v < mesh.vertex_count(); ++v) points[v] = {v, -1, -1, 0.0};
+    for (int e = 0; e < topology.edge.rows(); ++e) {
+        const int a = topology.edge(e, 0), b = topology.edge(e, 1);
+        points[mesh.vertex_count() + e] = {a, b, pattern.slot(b, a), 0.0};
+    }
+    for (int f = 0; f < mesh.triangle_count(); ++f) {
+        const double share = lumped_area(mesh, f) / 6.0;
+        for (int corner = 0; corner < 3; ++corner) {
+            points[mesh.triangle(f, corner)].area += share;
+            points[mesh.vertex_count() + topology.triangle_edge(f, corner)].area += share;
+        }
+    }
+    return points;
+}
+
+Contact::Contact(const ContactOptions& options, double pressure, const std::vector<ContactPoint>& points,
+                 const Obstacle& obstacle)
+    : options_(options), pressure_(pressure), points_(points), obstacle_(obstacle), state_(points.size()) {}
+
+Eigen::Vector3d Contact::position(const Positions& x, const ContactPoint& point) const {
+    if (point.second < 0) return x.row(point.first).transpose();
+    return 0.5 * (x.row(point.first) + x.row(point.second)).transpose();
+}
+
+double Contact::pressure_at(double depth) const {
+    const double share = depth / options_.thickness;
+    return pressure_ * share * share;
+}
+
+void Contact::scatter(const ContactPoint& point, const Eigen::Vector3d& gradient, Positions& total) const {
+    if (point.second < 0) {
+        total.row(point.first) += gradient.transpose();
+    } else {
+        total.row(point.first) += 0.5 * gradient.transpose();
+        total.row(point.second) += 0.5 * gradient.transpose();
+    }
+}
+
+void Contact::begin_step(const Positions& x) {
+    for (size_t k = 0; k < points_.size(); ++k) {
+        State& state = state_[k];
+        const Eigen::Vector3d p = position(x, points_[k]);
+        int last = state.piece;
+        if (last < 0 && points_[k].second >= 0) last = state_[points_[k].first].piece;
+        const int piece = obstacle_.piece_near(p, last);
+        if (state.anchored) {
+            state.anchor_world = obstacle_.to_world(state.anchor, state.piece);
+            if (piece != state.piece) state.anchor = obstacle_.to_local(state.anchor_world, piece);
+        }
+        state.piece = piece;
+    }
+}
+
+void Contact::update_normal_force(const Positions& x) {
+    for (size_t k = 0; k < points_.size(); ++k) {
+        State& state = state_[k];
+        const Eigen::Vector3d p = position(x, points_[k]);
+        const Obstacle::Contact contact = obstacle_.sample(p, state.piece);
+        const double depth = options_.thickness - contact.distance;
+        const double length = contact.gradient.norm();
+        state.normal_force = depth > 0.0 ? points_[k].area * pressure_at(depth) * length : 0.0;
+        if (!(state.normal_force > 0.0)) {
+            state.normal_force = 0.0;
+            state.anchored = false;
+            continue;
+        }
+        state.normal = contact.gradient / length;
+        if (!state.anchored) {
+            state.anchored = true;
+            state.anchor_world = p;
+            state.anchor = obstacle_.to_local(p, state.piece);
+        }
+    }
+}
+
+void Contact::end_step(const Positions& x) {
+    for (size_t k = 0; k < points_.size(); ++k) {
+        State& state = state_[k];
+        if (!state.anchored) continue;
+        const Eigen::Vector3d p = position(x, points_[k]);
+        Eigen::Vector3d slip = p - state.anchor_world;
+        slip -= slip.dot(state.normal) * state.normal;
+        const double length = slip.norm();
+        // The normal part is dropped, so the anchor stays beside its point as the surface turns.
+        state.anchor_world = p - slip * (length > stick_distance ? stick_distance / length : 1.0);
+        state.anchor = obstacle_.to_local(state.anchor_world, state.piece);
+    }
+}
+
+double Contact::energy(const Positions& x) const {
+    double energy = 0.0;
+    const double friction = options_.friction;
+    for (size_t k = 0; k < points_.size(); ++k) {
+        const State& state = state_[k];
+        const Eigen::Vector3d p = position(x, points_[k]);
+        const double depth = options_.thickness - obstacle_.distance(p, state.piece);
+        if (depth > 0.0) energy += points_[k].area * pressure_at(depth) * depth / 3.0;
+        if (state.normal_force > 0.0 && friction > 0.0) {
+            Eigen::Vector3d slip = p - state.anchor_world;
+            slip -= slip.dot(state.normal) * state.normal;
+            const double length = slip.norm();
+            energy +=
+                friction * state.normal_force *
+                (length < stick_distance ? 0.5 * length * length / stick_distance : length - 0.5 * stick_distance);
+        }
+    }
+    return energy;
+}
+
+void Contact::add_gradient(const Positions& x, Positions& gradient) const {
+    const double friction = options_.friction;
+    for (size_t k = 0; k < points_.size(); ++k) {
+        const State& state = state_[k];
+        const Eigen::Vector3d p = position(x, points_[k]);
+        const Obstacle::Contact contact = obstacle_.sample(p, state.piece);
+        const double depth = options_.thickness - contact.distance;
+        if (depth > 0.0) scatter(points_[k], -points_[k].area * pressure_at(depth) * contact.gradient, gradient);
+        if (state.normal_force > 0.0 && friction > 0.0) {
+            Eigen::Vector3d slip = p - state.anchor_world;
+            slip -= slip.dot(state.normal) * state.normal;
+            scatter(points_[k], friction * state.normal_force / std::max(slip.norm(), stick_distance) * slip, gradient);
+        }
+    }
+}
+
+void Contact::add_gradient_and_hessian(const Positions& x, Positions& gradient, BlockMatrix& hessian) const {
+    add_gradient(x, gradient);
+    const double friction = options_.friction;
+    for (size_t k = 0; k < points_.size(); ++k) {
+        const ContactPoint& point = points_[k];
+        const State& state = state_[k];
+        const Eigen::Vector3d p = position(x, point);
+        const Obstacle::Contact contact = obstacle_.sample(p, state.piece);
+        const double depth = options_.thickness - contact.distance;
+        Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
+        if (depth > 0.0) {
+            const double slope = 2.0 * pressure_ * depth / (options_.thickness * options_.thickness);
+            block += point.area * slope * contact.gradient * contact.gradient.transpose();
+        }
+        if (state.normal_force > 0.0 && friction > 0.0) {
+            const Eigen::Matrix3d tangent = Eigen::Matrix3d::Identity() - state.normal * state.normal.transpose();
+            const Eigen::Vector3d slip = tangent * (p - state.anchor_world);
+            const double length = slip.norm();
+            if (length < stick_distance) {
+                block += friction * state.normal_force / stick_distance * tangent;
+            } else {
+                block +=
+                    friction * state.normal_force / length * (tangent - slip * slip.transpose() / (length * length));
+            }
+        }
+        if (depth <= 0.0 && state.normal_force <= 0.0) continue;
+        if (point.second < 0) {
+            hessian.add(point.first, point.first, block);
+        } else {
+            block *= 0.25;
+            hessian.add(point.first, point.first, block);
+            hessian.add(point.second, point.second, block);
+            hessian.add_at(point.slot, point.first, block);
+        }
+    }
+}
+
+}  // namespace toile::simulate

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "cloth/block_matrix.h"
+#include "cloth/cloth_mesh.h"
+#include "cloth/topology.h"
+#include "simulate/obstacle.h"
+#include "simulate/options.h"
+
+namespace toile::simulate {
+
+/// A point of the cloth where contact is felt: a vertex (second < 0) or the middle of an edge.
+struct ContactPoint {
+    int first, second;
+    int slot;     ///< of block (larger, smaller) in the Hessian, for edge points
+    double area;  ///< pattern area it stands for [m^2]
+};
+
+/// Vertices and edge midpoints, so that a triangle's side cannot sink into a curved surface between two vertices that
+/// rest on it. Half of the cloth's area goes to either kind.
+std::vector<ContactPoint> contact_points(const ClothMesh& mesh, const Topology& topology, const BlockMatrix& pattern);
+
+/// Contact and friction of one cloth with one obstacle.
+///
+/// Contact: a pressure p₀ (d/δ)² on each point that is nearer than the thickness δ, d = δ − φ(x), so p₀ where it
+/// touches; energy A p₀ d³ / (3 δ²), twice differentiable at the onset. Friction: Coulomb with sticking. A point that
+/// sticks is tied to an anchor that moves with the obstacle's piece by a spring, whose force ends at μ times the normal
+/// force; once it slides, the anchor is dragged along (`end_step`). At rest it holds without creep. Normal force and
+/// direction are lagged by one Newton iteration.
+class Contact {
+  public:
+    Contact(const ContactOptions& options, double pressure, const std::vector<ContactPoint>& points,
+            const Obstacle& obstacle);
+
+    /// Ties the points to the pieces near them; anchors move with their pieces.
+    void begin_step(const Positions& x);
+    /// Takes normal forces and directions for friction from here.
+    void update_normal_force(const Positions& x);
+    /// Anchors of sliding points follow.
+    void end_step(const Positions& x);
+
+    double energy(const Positions& x) const;
+    void add_gradient(const Positions& x, Positions& gradient) const;
+    /// Positive semidefinite: the distance's own curvature is left out.
+    void add_gradient_and_hessian(const Positions& x, Positions& gradient, BlockMatrix& hessian) const;
+
+    /// The piece a vertex is tied to, and the one it starts from.
+    int piece(int vertex) const { return state_[vertex].piece; }
+    void set_piece(int vertex, int piece) { state_[vertex].piece = piece; }
+
+  private:
+    struct State {
+        int piece = -1;
+        double normal_force = 0.0;  // [N]
+        bool anchored = false;
+        Eigen::Vector3d anchor;        // in the piece's frame
+        Eigen::Vector3d anchor_world;  // during this step
+        Eigen::Vector3d normal;
+    };
+    Eigen::Vector3d position(const Positions& x, const ContactPoint& point) const;
+    double pressure_at(double depth) const;
+    void scatter(const ContactPoint& point, const Eigen::Vector3d& gradient, Positions& total) const;
+
+    ContactOptions options_;
+    double pressure_;
+    const std::vector<ContactPoint>& points_;
+    const Obstacle& obstacle_;
+    std::vector<State> state_;
+};
+
+}  // namespace toile::simulate

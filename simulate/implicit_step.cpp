@@ -1,0 +1,133 @@
+#include "simulate/implicit_step.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulate/stopwatch.h"
+
+namespace toile::simulate {
+namespace {
+
+/// No vertex moves further in one iteration than limbs are thick, or it could pass through one unseen [m].
+constexpr double largest_move = 0.03;
+constexpr double sufficient_decrease = 1e-4;
+constexpr int most_halvings = 12;
+
+}  // namespace
+
+ImplicitStep::ImplicitStep(const ClothMesh& mesh, const Elasticity& elasticity, const BlockMatrix& pattern,
+                           const std::vector<int>& pinned, std::vector<Contact*> contacts, double damping)
+    : mesh_(mesh),
+      elasticity_(elasticity),
+      pinned_(pinned),
+      contacts_(std::move(contacts)),
+      damping_(damping),
+      hessian_(pattern),
+      without_elasticity_(pattern),
+      cholesky_(pattern),
+      gradient_(mesh.vertex_count(), 3),
+      direction_(mesh.vertex_count(), 3),
+      trial_(mesh.vertex_count(), 3),
+      right_(3 * mesh.vertex_count()) {}
+
+double ImplicitStep::energy(const Target& target, const Positions& x) const {
+    const double h = target.time_step;
+    const Eigen::VectorXd inertia = (x - *target.inertial).rowwise().squaredNorm();
+    const Eigen::VectorXd drag = (x - *target.carried).rowwise().squaredNorm();
+    double energy = mesh_.mass.dot(0.5 / (h * h) * inertia + 0.5 * damping_ / h * drag) + elasticity_.energy(x);
+    for (const Contact* contact : contacts_) energy += contact->energy(x);
+    return energy;
+}
+
+void ImplicitStep::clear_pinned(Positions& rows) const {
+    for (int v : pinned_) rows.row(v).setZero();
+}
+
+void ImplicitStep::gradient_of(const Target& target, const Positions& x, BlockMatrix* hessian) {
+    const double h = target.time_step;
+    gradient_.noalias() = mesh_.mass.asDiagonal() * ((x - *target.inertial) / (h * h));
+    gradient_ += mesh_.mass.asDiagonal() * ((damping_ / h) * (x - *target.carried));
+    elasticity_.add_gradient(x, gradient_);
+    for (Contact* contact : contacts_) {
+        if (hessian) {
+            contact->add_gradient_and_hessian(x, gradient_, *hessian);
+        } else {
+            contact->add_gradient(x, gradient_);
+        }
+    }
+    clear_pinned(gradient_);
+}
+
+double ImplicitStep::step_residual(const Target& target, const Positions& x) {
+    gradient_of(target, x, nullptr);
+    return gradient_.norm();
+}
+
+double ImplicitStep::static_residual(const Positions& x) {
+    gradient_.setZero();
+    elasticity_.add_gradient(x, gradient_);
+    for (Contact* contact : contacts_) {
+        contact->update_normal_force(x);
+        contact->add_gradient(x, gradient_);
+    }
+    clear_pinned(gradient_);
+    return gradient_.norm();
+}
+
+bool ImplicitStep::factor(const Positions& x, HessianKind kind, DrapeReport& report) {
+    {
+        const Stopwatch watch(report.assembly_seconds);
+        elasticity_.add_hessian(x, kind, hessian_);
+        for (int v : pinned_) hessian_.fix(v);
+    }
+    const Stopwatch watch(report.factor_seconds);
+    return cholesky_.factor(hessian_);
+}
+
+ImplicitStep::Iteration ImplicitStep::iterate(const Target& target, HessianKind kind, Positions& x,
+                                              DrapeReport& report) {
+    constexpr Iteration failed{most_halvings, 0.0, 0.0};
+    ++report.newton_iterations;
+    const double inertia = 1.0 / (target.time_step * target.time_step) + damping_ / target.time_step;
+    {
+        const Stopwatch watch(report.contact_seconds);
+        for (Contact* contact : contacts_) contact->update_normal_force(x);
+        hessian_.set_zero();
+        gradient_of(target, x, &hessian_);
+    }
+    if (!gradient_.allFinite()) return failed;
+    for (int v = 0; v < mesh_.vertex_count(); ++v) hessian_.add_identity(v, v, inertia * mesh_.mass[v]);
+    if (kind == HessianKind::exact) without_elasticity_ = hessian_;
+    bool definite = factor(x, kind, report);
+    if (!definite && kind == HessianKind::exact) {
+        hessian_ = without_elasticity_;
+        definite = factor(x, HessianKind::projected, report);
+    }
+    // Rounding can spoil a matrix that is nearly singular: a growing shift mends it.
+    for (double shift = 1e-3 * inertia; !definite && shift < 1e12 * inertia; shift *= 10.0) {
+        for (int v = 0; v < mesh_.vertex_count(); ++v) hessian_.add_identity(v, v, shift * mesh_.mass[v]);
+        definite = cholesky_.factor(hessian_);
+    }
+    if (!definite) return failed;
+    right_ = -Eigen::Map<const Eigen::VectorXd>(gradient_.data(), gradient_.size());
+    cholesky_.solve(right_, solution_);
+    direction_ = Eigen::Map<const Positions>(solution_.data(), gradient_.rows(), 3);
+    const Stopwatch watch(report.line_search_seconds);
+    const double slope = gradient_.cwiseProduct(direction_).sum();
+    const double longest = std::sqrt(direction_.rowwise().squaredNorm().maxCoeff());
+    if (!(slope < 0.0) || !std::isfinite(longest)) return failed;
+    const double before = energy(target, x);
+    double share = contacts_.empty() ? 1.0 : std::min(1.0, largest_move / longest);
+    for (int halving = 0; halving < most_halvings; ++halving, share *= 0.5) {
+        trial_ = x + share * direction_;
+        // Near the minimum rounding hides the decrease: a change within rounding of Φ counts as one.
+        if (energy(target, trial_) <= before + sufficient_decrease * share * slope + 1e-14 * std::abs(before)) {
+            x = trial_;
+            return {halving, share, share * longest};
+        }
+        ++report.line_search_halvings;
+    }
+    return failed;
+}
+
+}  // namespace toile::simulate

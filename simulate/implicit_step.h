@@ -1,0 +1,60 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "cloth/sparse_cholesky.h"
+#include "simulate/contact.h"
+#include "simulate/drape.h"
+#include "simulate/elasticity.h"
+
+namespace toile::simulate {
+
+/// One implicit Euler step as a minimum (Martin et al. 2011; Li et al. 2020):
+///
+///     Φ(x) = 1/(2h²) Σ m |x − y|² + α/(2h) Σ m |x − c|² + Ψ(x) + contact(x) + friction(x)
+///
+/// with c where the moving solids carry the cloth, y = c + h v the inertial target, α the damping, and Ψ membrane,
+/// bending and weight. Solved by Newton's method with a positive definite Hessian and a backtracking line search.
+class ImplicitStep {
+  public:
+    ImplicitStep(const ClothMesh& mesh, const Elasticity& elasticity, const BlockMatrix& pattern,
+                 const std::vector<int>& pinned, std::vector<Contact*> contacts, double damping);
+
+    struct Target {
+        const Positions* carried;   ///< c
+        const Positions* inertial;  ///< y
+        double time_step;           ///< h [s]
+    };
+    struct Iteration {
+        int halvings = 0;           ///< of the line search
+        double step_share = 0.0;    ///< accepted share of the Newton step; 0 where no share lowered Φ
+        double largest_move = 0.0;  ///< [m]
+    };
+    /// One Newton iteration from x, in place.
+    Iteration iterate(const Target& target, HessianKind kind, Positions& x, DrapeReport& report);
+
+    /// Net force on each vertex at rest, without inertia and damping, friction's normal forces taken at x. Zero on
+    /// pinned ones. Returns its Euclidean norm [N].
+    double static_residual(const Positions& x);
+    /// The gradient's norm of Φ itself [N].
+    double step_residual(const Target& target, const Positions& x);
+
+  private:
+    double energy(const Target& target, const Positions& x) const;
+    void gradient_of(const Target& target, const Positions& x, BlockMatrix* hessian);
+    bool factor(const Positions& x, HessianKind kind, DrapeReport& report);
+    void clear_pinned(Positions& rows) const;
+
+    const ClothMesh& mesh_;
+    const Elasticity& elasticity_;
+    const std::vector<int>& pinned_;
+    std::vector<Contact*> contacts_;
+    double damping_;
+    BlockMatrix hessian_, without_elasticity_;
+    SparseCholesky cholesky_;
+    Positions gradient_, direction_, trial_;
+    Eigen::VectorXd right_, solution_;
+};
+
+}  // namespace toile::simulate
