@@ -55,6 +55,11 @@ if(TOILE_SKIN OR TOILE_PATTERN)
   toile_require(CGAL_FOUND CGAL "libcgal-dev (with libgmp-dev, libmpfr-dev)")
 endif()
 
+if(TOILE_PATTERN)
+  find_path(STB_INCLUDE_DIR stb/stb_rect_pack.h)
+  toile_require(STB_INCLUDE_DIR stb libstb-dev)
+endif()
+
 if(TOILE_APP)
   find_package(CLI11 QUIET)
   toile_require(CLI11_FOUND CLI11 libcli11-dev)

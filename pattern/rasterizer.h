@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <cstdint>
+#include <vector>
+
+#include "cloth/cloth_mesh.h"
+#include "pattern/pattern_layout.h"
+
+namespace toile::pattern {
+
+/// One weight matrix each way between values at mesh vertices and values at pixels, row-major sparse; a pixel's index
+/// is (layer * size + row) * size + column.
+using PixelWeights = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+struct Raster {
+    PixelWeights vertex_to_pixel;  ///< `[pixels x V]`
+    std::vector<uint8_t> mask;     ///< `[pixels]` 1 where a pattern triangle covers the pixel's centre
+};
+
+/// Barycentric weights of the pattern triangle that covers each pixel's centre. Pixels up to `chart_margin` beyond an
+/// edge take the linear continuation of the nearest triangle, so that bilinear reading up to the edge sees no break; no
+/// pixel takes values of two charts. Triangles without area are passed over.
+Raster rasterize(const ClothMesh& mesh, const PatternLayout& layout);
+
+/// `[V x pixels]`: bilinear reading at each pattern position, averaged over those of a vertex (contract).
+PixelWeights reading_weights(const ClothMesh& mesh, const PatternLayout& layout);
+
+}  // namespace toile::pattern
