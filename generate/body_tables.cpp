@@ -81,6 +81,21 @@ void bind_roles(ConfigTable& poses, skin::SamplerOptions& sampler) {
     for (const std::string& one : word) sampler.roles.push_back(role_of(poses, "roles", one));
 }
 
+/// How many poses a sampler makes, or at most are taken from a file, and which.
+void bind_selection(ConfigTable& table, PosesConfig& poses) {
+    const files::ConfigField field{.lower = 1, .upper = 10000000, .doc = "samples"};
+    if (poses.source == PoseSource::sampler) {
+        table.integer("count", poses.count, field);
+    } else {
+        std::optional<int> most;
+        table.integer_or("count", most, "all", field);
+        poses.selection.most = most;
+    }
+    std::vector<int> number;
+    table.integers("number", number, {.lower = 0, .doc = "pose numbers wanted; none: all of them"});
+    poses.selection.number.assign(number.begin(), number.end());
+}
+
 }  // namespace
 
 void bind_poses(ConfigTable& root, SceneConfig& config) {
@@ -92,7 +107,7 @@ void bind_poses(ConfigTable& root, SceneConfig& config) {
         "source", poses.source,
         {{"sampler", PoseSource::sampler}, {"bvh", PoseSource::bvh}, {"table", PoseSource::table}},
         "evenly within joint limits, a motion, or a table of joint angles");
-    table->integer("count", poses.count, {.lower = 1, .upper = 10000000, .doc = "samples"});
+    bind_selection(*table, poses);
     if (poses.source == PoseSource::sampler) {
         bind_roles(*table, poses.sampler);
         table->boolean("symmetric", poses.sampler.symmetric, "right limbs copy left ones");

@@ -91,9 +91,7 @@ Scene build_posed_body(const SceneConfig& config) {
     scene.remarks = std::move(rigged.remarks);
     if (!config.poses) return scene;
     scene.poses = build_poses(config, *scene.body);
-    skin::PoseSelection selection;
-    selection.most = config.poses->count;
-    scene.pose_number = skin::selected_numbers(*scene.poses, selection, config.file + ":poses");
+    scene.pose_number = skin::selected_numbers(*scene.poses, config.poses->selection, config.file + ":poses.number");
     return scene;
 }
 

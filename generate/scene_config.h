@@ -35,9 +35,10 @@ enum class PoseSource { sampler, bvh, table };
 /// [poses]: which postures the body takes.
 struct PosesConfig {
     PoseSource source = PoseSource::sampler;
-    int count = 12;  ///< samples; from a file at most this many
+    int count = 12;  ///< poses of the sampler
     skin::SamplerOptions sampler;
     files::ConfigPath file;
+    skin::PoseSelection selection;  ///< which of the source's poses become samples
 };
 
 enum class GarmentSource { tshirt, patch, file };
