@@ -257,7 +257,8 @@ void check_limit(Role role, const JointLimit& limit, const std::string& where) {
     constexpr std::array<const char*, 3> axis = {"raise", "swing", "twist"};
     for (int i = 0; i < 3; ++i) {
         const std::string name = std::string(axis[i]) + " of " + std::string(role_name(role));
-        const std::string range = "[" + std::to_string(limit.lower[i]) + ", " + std::to_string(limit.upper[i]) + "]";
+        std::string range = "[";
+        range.append(std::to_string(limit.lower[i])).append(", ").append(std::to_string(limit.upper[i])).append("]");
         if (!std::isfinite(limit.lower[i]) || !std::isfinite(limit.upper[i]))
             throw Error("the limit " + range + " for the " + name + " is not finite", where);
         if (limit.lower[i] > limit.upper[i])

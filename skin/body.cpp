@@ -1,5 +1,6 @@
 #include "skin/body.h"
 
+#include <Eigen/LU>
 #include <cmath>
 
 #include "cloth/error.h"

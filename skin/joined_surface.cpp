@@ -1,0 +1,164 @@
+#include "skin/joined_surface.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "cloth/error.h"
+#include "cloth/topology.h"
+
+namespace toile::skin {
+namespace {
+
+using Influences = std::vector<std::pair<int, double>>;  // joint, value; heaviest first
+
+constexpr double sum_tolerance = 0.002;  // what three-digit text and half floats round off
+
+/// The surface as it grows, with an index for welding.
+struct SurfaceBuilder {
+    const files::RiggedFile& file;
+    const BindSkeleton& skeleton;
+    const std::string& where;
+    std::map<std::pair<std::array<double, 3>, Influences>, int> known;
+    std::vector<Eigen::Vector3d> position;
+    std::vector<Influences> influence;
+    std::vector<std::array<int, 3>> triangle;
+    int collapsed = 0, welded = 0, unused = 0;
+
+    Influences influences_of(const files::RiggedMesh& mesh, int v) const {
+        std::map<int, double> by_joint;
+        double sum = 0;
+        const std::string name = "vertex " + std::to_string(v) + " of mesh '" + mesh.name + "'";
+        for (int i = mesh.influence_offset[v]; i < mesh.influence_offset[v + 1]; ++i) {
+            const double value = mesh.influence_value[i];
+            if (value < 0) throw Error("the weight " + std::to_string(value) + " of " + name + " is negative", where);
+            if (value == 0) continue;
+            by_joint[skeleton.joint_of_node[mesh.bone[mesh.influence_bone[i]].node]] += value;
+            sum += value;
+        }
+        if (by_joint.empty())
+            throw Error(name + " hangs on no joint", where, "give every vertex a weight (unskinned parts left out)");
+        if (!(std::abs(sum - 1) <= sum_tolerance))
+            throw Error("the weights of " + name + " sum to " + std::to_string(sum), where, "normalise the weights");
+        Influences influences(by_joint.begin(), by_joint.end());
+        for (auto& entry : influences) entry.second /= sum;
+        std::stable_sort(influences.begin(), influences.end(),
+                         [](const auto& a, const auto& b) { return a.second > b.second; });
+        return influences;
+    }
+
+    /// The vertex in bind space: carried by the mesh's placement, or skinned there where the bones' placements differ.
+    Eigen::Vector3d placed(const files::RiggedMesh& mesh, const std::vector<Eigen::Affine3d>& placement, int v) const {
+        const Eigen::Vector3d stored = mesh.position.row(v).transpose();
+        const int first = mesh.influence_offset[v], last = mesh.influence_offset[v + 1];
+        Eigen::Vector3d blend = Eigen::Vector3d::Zero();
+        double sum = 0;
+        bool differs = false;
+        for (int i = first; i < last; ++i) {
+            const Eigen::Affine3d& by_bone = placement[mesh.influence_bone[i]];
+            differs = differs || by_bone.matrix() != placement[mesh.influence_bone[first]].matrix();
+            blend += mesh.influence_value[i] * (by_bone * stored);
+            sum += mesh.influence_value[i];
+        }
+        return differs ? Eigen::Vector3d(blend / sum) : placement[mesh.influence_bone[first]] * stored;
+    }
+
+    /// Vertices keep the file's order.
+    void add(int mesh_index, const std::vector<Eigen::Affine3d>& placement) {
+        const files::RiggedMesh& mesh = file.mesh[mesh_index];
+        std::vector<bool> used(static_cast<size_t>(mesh.position.rows()), false);
+        for (int i = 0; i < mesh.triangle.size(); ++i) used[mesh.triangle.data()[i]] = true;
+        std::vector<int> index(used.size(), -1);
+        for (size_t v = 0; v < used.size(); ++v)
+            if (used[v]) index[v] = vertex(mesh, placement, static_cast<int>(v));
+        for (int f = 0; f < mesh.triangle.rows(); ++f) {
+            const std::array<int, 3> corners = {index[mesh.triangle(f, 0)], index[mesh.triangle(f, 1)],
+                                                index[mesh.triangle(f, 2)]};
+            if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0])
+                ++collapsed;
+            else
+                triangle.push_back(corners);
+        }
+        unused += static_cast<int>(std::count(used.begin(), used.end(), false));
+    }
+
+    int vertex(const files::RiggedMesh& mesh, const std::vector<Eigen::Affine3d>& placement, int v) {
+        Influences influences = influences_of(mesh, v);
+        const Eigen::Vector3d p = placed(mesh, placement, v) + Eigen::Vector3d::Zero();
+        const auto [entry, fresh] =
+            known.try_emplace({{p.x(), p.y(), p.z()}, influences}, static_cast<int>(position.size()));
+        if (!fresh) {
+            ++welded;
+        } else {
+            position.push_back(p);
+            influence.push_back(std::move(influences));
+        }
+        return entry->second;
+    }
+};
+
+void fill(const SurfaceBuilder& builder, JoinedSurface& out) {
+    out.position.resize(static_cast<long>(builder.position.size()), 3);
+    out.weight.offset.assign(1, 0);
+    for (size_t v = 0; v < builder.position.size(); ++v) {
+        out.position.row(static_cast<long>(v)) = builder.position[v].transpose();
+        for (const auto& [joint, value] : builder.influence[v]) {
+            out.weight.joint.push_back(joint);
+            out.weight.value.push_back(value);
+        }
+        out.weight.offset.push_back(static_cast<int>(out.weight.joint.size()));
+    }
+    out.triangle.resize(static_cast<long>(builder.triangle.size()), 3);
+    for (size_t f = 0; f < builder.triangle.size(); ++f)
+        out.triangle.row(static_cast<long>(f)) << builder.triangle[f][0], builder.triangle[f][1],
+            builder.triangle[f][2];
+}
+
+double signed_volume(const JoinedSurface& surface) {
+    const Eigen::RowVector3d center = surface.position.colwise().mean();
+    double volume = 0;
+    for (int f = 0; f < surface.triangle.rows(); ++f) {
+        const Eigen::RowVector3d a = surface.position.row(surface.triangle(f, 0)) - center;
+        const Eigen::RowVector3d b = surface.position.row(surface.triangle(f, 1)) - center;
+        const Eigen::RowVector3d c = surface.position.row(surface.triangle(f, 2)) - center;
+        volume += a.dot(b.cross(c)) / 6;
+    }
+    return volume;
+}
+
+void remark_on_edges(JoinedSurface& surface) {
+    const Topology topology = build_topology(surface.triangle);
+    const long open = (topology.edge_triangle.col(1).array() < 0).count();
+    if (open > 0)
+        surface.remarks.push_back("the surface is not closed: it has " + std::to_string(open) + " open edges");
+    if (topology.non_manifold_edge >= 0)
+        surface.remarks.push_back("some edges of the surface belong to more than two triangles");
+}
+
+}  // namespace
+
+JoinedSurface join_surface(const files::RiggedFile& file, const std::vector<int>& mesh, const BindSkeleton& skeleton,
+                           const std::string& where) {
+    SurfaceBuilder builder{file, skeleton, where, {}, {}, {}, {}};
+    for (size_t m = 0; m < mesh.size(); ++m) builder.add(mesh[m], skeleton.placement[m]);
+    if (builder.triangle.empty()) throw Error("the body has no faces", where);
+    JoinedSurface out;
+    fill(builder, out);
+    if (builder.welded > 0)
+        out.remarks.push_back(std::to_string(builder.welded) + " vertices repeated along seams were welded");
+    if (builder.collapsed > 0)
+        out.remarks.push_back(std::to_string(builder.collapsed) + " triangles without extent were dropped");
+    if (builder.unused > 0)
+        out.remarks.push_back(std::to_string(builder.unused) + " vertices without a triangle were dropped");
+    if (signed_volume(out) < 0) {
+        out.triangle.col(1).swap(out.triangle.col(2));
+        out.remarks.push_back("the surface was inside out and has been turned");
+    }
+    remark_on_edges(out);
+    return out;
+}
+
+}  // namespace toile::skin
