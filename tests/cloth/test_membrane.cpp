@@ -1,0 +1,100 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include "cloth/membrane.h"
+#include "tests/support/derivative_checker.h"
+
+namespace toile {
+namespace {
+
+const MembraneStiffness jersey = MembraneStiffness::from_moduli(300.0, 500.0, 120.0, 0.3);
+
+ClothMesh one_triangle() {
+    ClothMesh mesh;
+    mesh.triangle.resize(1, 3);
+    mesh.triangle << 0, 1, 2;
+    mesh.pattern_triangle = mesh.triangle;
+    mesh.pattern_position.resize(3, 2);
+    mesh.pattern_position << 0.1, 0.2, 0.13, 0.21, 0.11, 0.24;
+    mesh.rest_position.resize(3, 3);
+    for (int v = 0; v < 3; ++v) mesh.rest_position.row(v) << mesh.pattern_position.row(v), 0.0;
+    return mesh;
+}
+
+/// Stretched, compressed and inverted corners, all of them sheared and turned out of the plane.
+std::vector<TrianglePositions> deformed() {
+    const TrianglePositions rest = one_triangle().rest_position.transpose();
+    Eigen::Matrix3d stretch = Eigen::Matrix3d::Identity(), squeeze = stretch;
+    stretch << 1.2, 0.1, 0, 0, 1.1, 0, 0.3, 0.2, 1;
+    squeeze << 0.6, 0.1, 0, -0.1, 0.7, 0, 0.2, -0.1, 1;
+    Eigen::Matrix3d mirror = Eigen::Vector3d(-0.9, 1.1, 1.0).asDiagonal();
+    return {stretch * rest, squeeze * rest, mirror * rest};
+}
+
+Eigen::VectorXd flat(const TrianglePositions& x) {
+    return Eigen::Map<const Eigen::VectorXd>(x.data(), 9);
+}
+TrianglePositions columns(const Eigen::VectorXd& x) {
+    return Eigen::Map<const Eigen::Matrix3d>(x.data());
+}
+
+TEST(Membrane, RestAndRigidMotionCostNothing) {
+    const ClothMesh mesh = one_triangle();
+    const MembraneStencil stencil = membrane_stencil(mesh, 0);
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+    const TrianglePositions x = (turn * mesh.rest_position.transpose()).colwise() + Eigen::Vector3d(5, -2, 1);
+    EXPECT_NEAR(membrane_energy(stencil, jersey, x), 0.0, 1e-20);
+    EXPECT_LT(membrane_gradient(stencil, jersey, x).norm(), 1e-10);
+}
+
+TEST(Membrane, UniaxialStretchMeetsTheModulus) {
+    // Stretched along u and free to narrow along v by the right amount: ψ = ½ E_u ε_uu².
+    const ClothMesh mesh = one_triangle();
+    const double strain = 1e-3, lateral = -0.3 * std::sqrt(300.0 / 500.0) * strain;
+    TrianglePositions x = mesh.rest_position.transpose();
+    x.row(0) *= std::sqrt(1.0 + 2.0 * strain);
+    x.row(1) *= std::sqrt(1.0 + 2.0 * lateral);
+    const MembraneStencil stencil = membrane_stencil(mesh, 0);
+    EXPECT_NEAR(membrane_energy(stencil, jersey, x) / stencil.area, 0.5 * 300.0 * strain * strain, 1e-10);
+}
+
+TEST(Membrane, GradientIsTheEnergysDerivative) {
+    const MembraneStencil stencil = membrane_stencil(one_triangle(), 0);
+    for (const TrianglePositions& x : deformed()) {
+        const auto energy = [&](const Eigen::VectorXd& at) { return membrane_energy(stencil, jersey, columns(at)); };
+        const auto check = test::check_gradient(energy, membrane_gradient(stencil, jersey, x), flat(x), 0.03, 1e-7);
+        EXPECT_TRUE(check.passed) << check.message;
+    }
+}
+
+TEST(Membrane, HessianIsTheGradientsDerivative) {
+    const MembraneStencil stencil = membrane_stencil(one_triangle(), 0);
+    for (const TrianglePositions& x : deformed()) {
+        const auto gradient = [&](const Eigen::VectorXd& at) -> Eigen::VectorXd {
+            return membrane_gradient(stencil, jersey, columns(at));
+        };
+        const auto check = test::check_jacobian(gradient, membrane_hessian(stencil, jersey, x), flat(x), 0.03, 1e-7);
+        EXPECT_TRUE(check.passed) << check.message;
+    }
+}
+
+TEST(Membrane, ProjectedHessianIsPositiveSemidefiniteAndExactInTension) {
+    const MembraneStencil stencil = membrane_stencil(one_triangle(), 0);
+    for (const TrianglePositions& x : deformed()) {
+        const TriangleHessian projected = membrane_projected_hessian(stencil, jersey, x);
+        const Eigen::SelfAdjointEigenSolver<TriangleHessian> eigen(projected);
+        EXPECT_GT(eigen.eigenvalues().minCoeff(), -1e-9 * eigen.eigenvalues().maxCoeff());
+    }
+    const TrianglePositions& tense = deformed().front();
+    EXPECT_LT((membrane_projected_hessian(stencil, jersey, tense) - membrane_hessian(stencil, jersey, tense)).norm(),
+              1e-12 * membrane_hessian(stencil, jersey, tense).norm());
+    const TrianglePositions& compressed = deformed()[1];
+    EXPECT_GT((membrane_projected_hessian(stencil, jersey, compressed) - membrane_hessian(stencil, jersey, compressed))
+                  .norm(),
+              1e-3 * membrane_hessian(stencil, jersey, compressed).norm());
+}
+
+}  // namespace
+}  // namespace toile
