@@ -6,6 +6,7 @@
 #include <string>
 
 #include "cloth/error.h"
+#include "generate/ordered_work.h"
 
 namespace toile::app {
 namespace {
@@ -33,6 +34,9 @@ int guarded(const std::function<int()>& work) {
     } catch (const Error& error) {
         print_error(error.what(), error.where(), error.mend());
         return input_at_fault;
+    } catch (const generate::Interrupted& interrupt) {
+        print_error(interrupt.what(), {}, {});
+        return our_failure;
     } catch (const std::filesystem::filesystem_error& error) {
         print_error(error.code().message(), error.path1().string(), {});
         return input_at_fault;

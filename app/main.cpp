@@ -17,7 +17,9 @@ int parse(int argc, char** argv, toile::app::Work& chosen) {
     toile::app::add_simulate_command(program, chosen);
     toile::app::add_validate_command(program, chosen);
     toile::app::add_config_command(program, chosen);
-    if (argc > 1 && argv[1][0] != '-' && !program.get_subcommand_no_throw(argv[1])) {
+    const auto known =
+        program.get_subcommands([&](const CLI::App* one) { return argc > 1 && one->check_name(argv[1]); });
+    if (argc > 1 && argv[1][0] != '-' && known.empty()) {
         toile::app::print_error("there is no command " + std::string(argv[1]), "command line",
                                 "toile --help lists the commands");
         return toile::app::input_at_fault;

@@ -61,25 +61,6 @@ std::vector<int> pinned_vertices(const SceneConfig& config, const ClothMesh& mes
     return vertex;
 }
 
-simulate::DrapeScene drape_scene(const Scene& scene) {
-    const SceneConfig& config = scene.config;
-    simulate::DrapeScene drape;
-    drape.mesh = scene.garment.mesh;
-    drape.membrane = config.membrane;
-    drape.bending = config.bending;
-    drape.contact = config.contact;
-    drape.body = scene.body;
-    if (config.body) drape.skinning = config.body->skinning;
-    drape.level_set = config.level_set;
-    drape.table = config.table;
-    drape.sphere = config.sphere;
-    drape.pinned = scene.pinned;
-    drape.solver = config.solver;
-    drape.schedule = config.path;
-    drape.gate = config.gate;
-    return drape;
-}
-
 }  // namespace
 
 Scene build_posed_body(const SceneConfig& config) {
@@ -104,10 +85,29 @@ Scene build_scene(const SceneConfig& config) {
     return scene;
 }
 
+std::unique_ptr<simulate::Draper> make_draper(const Scene& scene) {
+    const SceneConfig& config = scene.config;
+    simulate::DrapeScene drape;
+    drape.mesh = scene.garment.mesh;
+    drape.membrane = config.membrane;
+    drape.bending = config.bending;
+    drape.contact = config.contact;
+    drape.body = scene.body;
+    if (config.body) drape.skinning = config.body->skinning;
+    drape.level_set = config.level_set;
+    drape.table = config.table;
+    drape.sphere = config.sphere;
+    drape.pinned = scene.pinned;
+    drape.solver = config.solver;
+    drape.schedule = config.path;
+    drape.gate = config.gate;
+    return std::make_unique<simulate::Draper>(drape);
+}
+
 DressedScene dress(Scene scene) {
     DressedScene dressed;
     dressed.scene = std::move(scene);
-    dressed.draper = std::make_unique<simulate::Draper>(drape_scene(dressed.scene));
+    dressed.draper = make_draper(dressed.scene);
     dressed.neutral = dressed.draper->drape_neutral();
     if (dressed.neutral.status != simulate::DrapeStatus::accepted)
         throw Error("the garment finds no rest in the neutral pose: " +

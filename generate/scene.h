@@ -30,6 +30,9 @@ Scene build_posed_body(const SceneConfig& config);
 /// The whole scene.
 Scene build_scene(const SceneConfig& config);
 
+/// The solver for this scene.
+std::unique_ptr<simulate::Draper> make_draper(const Scene& scene);
+
 /// A scene with its garment draped in the neutral pose: what all samples share. Immutable.
 struct DressedScene {
     Scene scene;

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <utility>
+
+namespace toile::generate {
+
+/// The folder of a data set. Made on construction if it is not there (its parent must be); removed again on destruction
+/// if it was made here and is still empty. Throws Error where it cannot be made or written to, a file is in the way, or
+/// it holds a data set already.
+class OutputFolder {
+  public:
+    explicit OutputFolder(const std::string& path);
+    ~OutputFolder();
+    OutputFolder(const OutputFolder&) = delete;
+    OutputFolder& operator=(const OutputFolder&) = delete;
+
+    std::string file(const std::string& name) const;  ///< the path of a file in it
+
+  private:
+    std::string path_;
+    bool made_ = false;
+};
+
+/// Removes a file when it goes out of scope.
+class ScratchFile {
+  public:
+    explicit ScratchFile(std::string path) : path_(std::move(path)) {}
+    ~ScratchFile();
+    ScratchFile(const ScratchFile&) = delete;
+    ScratchFile& operator=(const ScratchFile&) = delete;
+
+  private:
+    std::string path_;
+};
+
+}  // namespace toile::generate
