@@ -1,0 +1,117 @@
+#include "skin/implicit_column.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace toile::skin {
+namespace {
+
+constexpr std::array<double Section::*, 5> fields = {&Section::side, &Section::front, &Section::back,
+                                                     &Section::shift_side, &Section::shift_front};
+
+/// Slopes that keep the cubic monotone between sections; zero at the ends, where the caps begin.
+std::vector<Section> monotone_slopes(const std::vector<Section>& section) {
+    std::vector<Section> slope(section.size(), Section{0, 0, 0, 0, 0, 0});
+    for (size_t i = 1; i + 1 < section.size(); ++i)
+        for (const auto field : fields) {
+            const double before = section[i].at - section[i - 1].at, after = section[i + 1].at - section[i].at;
+            const double left = (section[i].*field - section[i - 1].*field) / before;
+            const double right = (section[i + 1].*field - section[i].*field) / after;
+            if (left * right <= 0.0) continue;
+            const double w = 2.0 * after + before, x = after + 2.0 * before;
+            slope[i].*field = (w + x) / (w / left + x / right);
+        }
+    return slope;
+}
+
+/// The norm of (x, y), both at least zero, whose unit circle is the section, and its derivatives.
+struct Across {
+    double value, by_x, by_y;
+};
+
+Across ellipse(double x, double y) {
+    const double norm = std::sqrt(x * x + y * y);
+    return norm > 0.0 ? Across{norm, x / norm, y / norm} : Across{0.0, 0.0, 0.0};
+}
+
+Across superellipse(double x, double y, double exponent) {
+    const double largest = std::max(x, y);
+    if (largest <= 0.0) return {0.0, 0.0, 0.0};
+    const double a = std::pow(x / largest, exponent - 1.0), b = std::pow(y / largest, exponent - 1.0);
+    const double sum = (a * x + b * y) / largest, norm = std::pow(sum, 1.0 / exponent);
+    return {largest * norm, a * norm / sum, b * norm / sum};
+}
+
+}  // namespace
+
+ImplicitColumn::ImplicitColumn(const ColumnFrame& frame, std::vector<Section> sections, double start_cap,
+                               double end_cap, double squareness)
+    : origin_(frame.origin),
+      section_(std::move(sections)),
+      slope_(monotone_slopes(section_)),
+      start_cap_(start_cap),
+      end_cap_(end_cap),
+      squareness_(squareness) {
+    const Eigen::Vector3d along = frame.along.normalized();
+    const Eigen::Vector3d front = (frame.front - along * along.dot(frame.front)).normalized();
+    to_local_ << front.cross(along).transpose(), front.transpose(), along.transpose();
+    reach_ = std::max(start_cap, end_cap);
+    for (const Section& section : section_) {
+        const double depth = std::max(section.front, section.back) + std::abs(section.shift_front);
+        reach_ = std::max(reach_, std::hypot(section.side + std::abs(section.shift_side), depth));
+    }
+}
+
+double ImplicitColumn::distance_bound(const Eigen::Vector3d& point) const {
+    const Eigen::Vector3d local = to_local_ * (point - origin_);
+    const double beyond = local[2] - std::clamp(local[2], section_.front().at, section_.back().at);
+    return std::sqrt(local[0] * local[0] + local[1] * local[1] + beyond * beyond) - reach_;
+}
+
+Section ImplicitColumn::section_at(double along) const {
+    size_t i = 0;
+    while (i + 2 < section_.size() && section_[i + 1].at <= along) ++i;
+    const double length = section_[i + 1].at - section_[i].at;
+    const double t = (along - section_[i].at) / length, t2 = t * t, t3 = t2 * t;
+    const double a = 2 * t3 - 3 * t2 + 1, b = (t3 - 2 * t2 + t) * length, c = 3 * t2 - 2 * t3, d = (t3 - t2) * length;
+    Section section{};
+    section.at = along;
+    for (const auto field : fields)
+        section.*field =
+            a * section_[i].*field + b * slope_[i].*field + c * section_[i + 1].*field + d * slope_[i + 1].*field;
+    return section;
+}
+
+double ImplicitColumn::distance(const Eigen::Vector3d& point) const {
+    const Eigen::Vector3d local = to_local_ * (point - origin_);
+    const double along = std::clamp(local[2], section_.front().at, section_.back().at);
+    const Section section = section_at(along);
+    const double side = local[0] - section.shift_side, front = local[1] - section.shift_front;
+    const double beyond = local[2] - along;
+    const double depth = front > 0.0 ? section.front : section.back, cap = beyond > 0.0 ? end_cap_ : start_cap_;
+    // k is 1 on the surface; k - 1 over the length of its gradient is the distance to first order.
+    const double x = std::abs(side) / section.side, y = std::abs(front) / depth, z = beyond / cap;
+    const Across across = squareness_ == 2.0 ? ellipse(x, y) : superellipse(x, y, squareness_);
+    const double k = std::hypot(across.value, z);
+    if (k < 1e-3) return -std::min(section.side, depth);
+    const Eigen::Vector3d gradient(across.value * across.by_x / section.side, across.value * across.by_y / depth,
+                                   z / cap);
+    return (k - 1.0) * k / std::max(gradient.norm(), 1e-6);
+}
+
+ImplicitColumn ImplicitColumn::mirrored() const {
+    ImplicitColumn mirror = *this;
+    mirror.origin_[0] = -origin_[0];
+    mirror.to_local_.col(0) = -to_local_.col(0);
+    return mirror;
+}
+
+double smooth_union(double a, double b, double blend) {
+    const double near = std::max(blend - std::abs(a - b), 0.0) / blend;
+    return std::min(a, b) - 0.25 * blend * near * near;
+}
+
+}  // namespace toile::skin

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace toile::skin {
+
+/// A cross-section of a column: two half ellipses that share a width, one in front and one behind.
+struct Section {
+    double at;                 ///< distance along the axis [m]
+    double side;               ///< half width [m]
+    double front;              ///< half depth in front of the centre [m]
+    double back;               ///< half depth behind the centre [m]
+    double shift_side = 0.0;   ///< centre of the section off the axis, to the side [m]
+    double shift_front = 0.0;  ///< the same, to the front [m]
+};
+
+/// Where a column stands: a right-handed frame (side, front, along).
+struct ColumnFrame {
+    Eigen::Vector3d origin;
+    Eigen::Vector3d along;  ///< direction of the axis
+    Eigen::Vector3d front;  ///< roughly; made perpendicular to the axis
+};
+
+/// A limb as an implicit shape: sections along a straight axis, joined by monotone cubics (Fritsch and Carlson 1980)
+/// and closed by half ellipsoids at both ends.
+class ImplicitColumn {
+  public:
+    /// `sections` ascending in `at`, at least two; `start_cap` and `end_cap` are the lengths of the ends [m];
+    /// `squareness` is the exponent of the sections: 2 an ellipse, more is boxier.
+    ImplicitColumn(const ColumnFrame& frame, std::vector<Section> sections, double start_cap, double end_cap,
+                   double squareness = 2.0);
+
+    /// Negative inside; a distance to first order near the surface [m].
+    double distance(const Eigen::Vector3d& point) const;
+
+    /// A lower bound of the distance to the column that is quick to find [m].
+    double distance_bound(const Eigen::Vector3d& point) const;
+
+    /// The mirror image in the plane x = 0.
+    ImplicitColumn mirrored() const;
+
+  private:
+    Section section_at(double along) const;
+
+    Eigen::Matrix3d to_local_;  // rows: side, front, along
+    Eigen::Vector3d origin_;
+    std::vector<Section> section_;
+    std::vector<Section> slope_;  // of each field by `at`
+    double start_cap_, end_cap_, squareness_;
+    double reach_;  // farthest a section or a cap goes from the axis between the sections
+};
+
+/// Union with the seam rounded over a width of about `blend` [m] (polynomial smooth minimum, Quilez 2013).
+double smooth_union(double a, double b, double blend);
+
+}  // namespace toile::skin
