@@ -11,8 +11,6 @@
 #include "cloth/error.h"
 
 namespace toile::files {
-namespace {
-
 void check_readable(const std::string& path) {
     struct stat status {};
     if (::stat(path.c_str(), &status) != 0)
@@ -26,12 +24,10 @@ void check_readable(const std::string& path) {
 
 std::string one_line(std::string text) {
     for (char& c : text)
-        if (static_cast<unsigned char>(c) < ' ') c = ' ';
+        if (static_cast<unsigned char>(c) < ' ' || static_cast<unsigned char>(c) >= 0x7f) c = ' ';
     while (!text.empty() && (text.back() == ' ' || text.back() == '.')) text.pop_back();
-    return text.substr(0, 300);
+    return text.size() > 160 ? text.substr(0, 160) + " ..." : text;
 }
-
-}  // namespace
 
 const aiScene* open_scene(Assimp::Importer& importer, const std::string& path, unsigned post_processing) {
     check_readable(path);

@@ -12,6 +12,12 @@ namespace toile::files {
 /// file. Internal to files/.
 const aiScene* open_scene(Assimp::Importer& importer, const std::string& path, unsigned post_processing);
 
+/// Throws Error where `path` is missing, a folder, empty or may not be read.
+void check_readable(const std::string& path);
+
+/// A library's message, fit for one line.
+std::string one_line(std::string text);
+
 /// assimp's row-major matrix as Eigen's.
 Eigen::Matrix4d matrix_of(const aiMatrix4x4& m);
 

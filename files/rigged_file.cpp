@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "cloth/error.h"
+#include "files/gltf_reader.h"
 #include "files/mesh_scene.h"
 
 namespace toile::files {
@@ -37,7 +38,6 @@ RiggedBone bone_of(const aiBone& bone, const std::map<std::string, int>& by_name
     if (node->second == -2)
         throw Error("several nodes have the name of joint '" + out.name + "'", path, "give each node its own name");
     out.node = node->second;
-    if (!out.offset.allFinite()) throw Error("the bind matrix of joint '" + out.name + "' is not finite", path);
     return out;
 }
 
@@ -90,6 +90,11 @@ RiggedMesh mesh_of(const aiMesh& mesh, const std::map<std::string, int>& by_name
     out.triangle.resize(static_cast<long>(triangle.size()), 3);
     for (size_t f = 0; f < triangle.size(); ++f)
         out.triangle.row(static_cast<long>(f)) << triangle[f][0], triangle[f][1], triangle[f][2];
+    if (mesh.HasTextureCoords(0)) {
+        out.texture.resize(mesh.mNumVertices, 2);
+        for (unsigned v = 0; v < mesh.mNumVertices; ++v)
+            out.texture.row(v) << mesh.mTextureCoords[0][v].x, mesh.mTextureCoords[0][v].y;
+    }
     for (unsigned b = 0; b < mesh.mNumBones; ++b) out.bone.push_back(bone_of(*mesh.mBones[b], by_name, path));
     add_influences(mesh, path, out);
     return out;
@@ -116,28 +121,52 @@ void read_conventions(const aiScene& scene, RiggedFile& file) {
     if (axis >= 0 && axis < 3) file.up = std::string(sign < 0 ? "-" : "") + "xyz"[axis];
 }
 
-}  // namespace
+/// The meshes each node shows; nodes are counted in the order `add_nodes` lists them.
+void add_meshes(const aiScene& scene, const aiNode& node, int& index, const std::map<std::string, int>& by_name,
+                const std::string& path, RiggedFile& file) {
+    for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+        RiggedMesh mesh = mesh_of(*scene.mMeshes[node.mMeshes[i]], by_name, path);
+        mesh.node = index;
+        if (mesh.triangle.rows() > 0) file.mesh.push_back(std::move(mesh));
+    }
+    ++index;
+    for (unsigned i = 0; i < node.mNumChildren; ++i) add_meshes(scene, *node.mChildren[i], index, by_name, path, file);
+}
 
-RiggedFile read_rigged_file(const std::string& path) {
+RiggedFile read_with_assimp(const std::string& path) {
     Assimp::Importer importer;
     // Pivots would turn each FBX joint into a chain of nodes.
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
     const aiScene* scene = open_scene(importer, path, aiProcess_Triangulate);
     RiggedFile file;
     add_nodes(*scene->mRootNode, -1, file);
+    const auto by_name = nodes_by_name(file);
+    int index = 0;
+    add_meshes(*scene, *scene->mRootNode, index, by_name, path, file);
+    read_conventions(*scene, file);
+    return file;
+}
+
+}  // namespace
+
+RiggedFile read_scene(const std::string& path) {
+    RiggedFile file = is_gltf(path) ? read_gltf(path) : read_with_assimp(path);
     for (const RiggedNode& node : file.node)
         if (!node.local.allFinite()) throw Error("the transform of node '" + node.name + "' is not finite", path);
-    const auto by_name = nodes_by_name(file);
+    if (file.mesh.empty()) throw Error("the file has no faces", path);
+    return file;
+}
+
+RiggedFile read_rigged_file(const std::string& path) {
+    RiggedFile file = read_scene(path);
     bool skinned = false;
-    for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
-        RiggedMesh mesh = mesh_of(*scene->mMeshes[i], by_name, path);
-        if (mesh.triangle.rows() == 0) continue;
+    for (const RiggedMesh& mesh : file.mesh) {
         skinned = skinned || !mesh.bone.empty();
-        file.mesh.push_back(std::move(mesh));
+        for (const RiggedBone& bone : mesh.bone)
+            if (!bone.offset.allFinite())
+                throw Error("the bind matrix of joint '" + bone.name + "' is not finite", path);
     }
-    if (file.mesh.empty()) throw Error("the body has no faces", path);
     if (!skinned) throw Error("no mesh of the file has a skin", path, "export the body with its armature and weights");
-    read_conventions(*scene, file);
     return file;
 }
 

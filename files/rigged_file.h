@@ -26,8 +26,10 @@ struct RiggedBone {
 /// the file has are kept, unsorted and not normalised.
 struct RiggedMesh {
     std::string name;
-    Positions position;  ///< `[N x 3]` as stored: before any node transform, in the file's unit
-    Triangles triangle;  ///< `[F x 3]`
+    Positions position;      ///< `[N x 3]` as stored: before any node transform, in the file's unit
+    Triangles triangle;      ///< `[F x 3]`
+    PlanePositions texture;  ///< `[N x 2]`, or empty
+    int node = -1;           ///< the node that shows it, index into `RiggedFile::node`
     std::vector<RiggedBone> bone;
     std::vector<int> influence_offset;    ///< `[N + 1]`
     std::vector<int> influence_bone;      ///< `[W]` index into `bone`
@@ -41,9 +43,13 @@ struct RiggedFile {
     std::string up = "y";        ///< axis that points up there: "x", "y", "z", "-x", "-y" or "-z"
 };
 
-/// Reads glTF, GLB, FBX, Collada and whatever else with a skeleton assimp reads. Throws Error for a missing, empty,
-/// truncated or unreadable file, one without faces or without a skin, positions, weights or matrices that are not
-/// finite, indices out of range, and a bone without a node (or with several of its name).
+/// Reads glTF (through tinygltf), and FBX, Collada and whatever else with a skeleton assimp reads. Throws Error for a
+/// missing, empty, truncated or unreadable file, one without faces or without a skin, positions, weights or matrices
+/// that are not finite, indices out of range, and a joint that is no node or, outside glTF, shares its name with
+/// another node.
 RiggedFile read_rigged_file(const std::string& path);
+
+/// The same for a file whose meshes need no skin.
+RiggedFile read_scene(const std::string& path);
 
 }  // namespace toile::files
