@@ -1,0 +1,130 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cloth/cloth_mesh.h"
+#include "files/hdf5_file.h"
+
+namespace toile::files {
+
+inline constexpr int dataset_version = 1;
+
+/// The body in its neutral pose, as the contract stores it.
+struct DatasetBody {
+    Triangles triangle;       ///< `[Fb x 3]`
+    Positions rest_position;  ///< `[Vb x 3]` [m]
+    std::vector<std::string> joint_name;
+    std::vector<int> joint_parent;            ///< `[J]`
+    std::vector<Eigen::Matrix4d> joint_bind;  ///< `[J]`
+    std::vector<int> weight_vertex, weight_joint;
+    std::vector<double> weight_value;  ///< `[W]` each
+};
+
+struct DatasetEmbedding {
+    std::vector<int> triangle;  ///< `[V]`
+    Positions barycentric;      ///< `[V x 3]`
+};
+
+struct DatasetImage {
+    int size = 0;
+    int layers = 0;
+    Positions pattern_pixel;    ///< `[P x 3]` layer, column, row
+    std::vector<uint8_t> mask;  ///< `[layers x size x size]`
+};
+
+/// What all samples share. What the scene does not have is absent here, in the file, and in every sample.
+struct DatasetHeader {
+    ClothMesh mesh;
+    std::optional<DatasetBody> body;
+    std::optional<DatasetEmbedding> embedding;
+    std::optional<DatasetImage> image;
+    std::string config;       ///< resolved, TOML
+    std::string config_hash;  ///< XXH3-128, hexadecimal
+    std::string program_version;
+    int64_t seed = 0;
+    std::vector<std::string> reasons;    ///< index = status
+    std::map<std::string, double> gate;  ///< certificate dataset -> largest value of an accepted sample
+    double duplicate_angle = 0;          ///< poses closer than this stay in one split [rad]
+    /// Largest and root mean square error of mesh -> image -> mesh [m]; the writer takes it when it finishes.
+    std::optional<std::array<double, 2>> resampling_error;
+};
+
+struct CertificateRecord {
+    double residual_force = 0, body_penetration = 0, max_stretch = 0, min_stretch = 0, max_speed = 0, seconds = 0;
+    int self_intersections = 0;
+};
+
+/// One pose's data. A sample that failed (status not 0) is kept as it ended: its cloth may be at fault, or not finite,
+/// and then so are displacement and image. Readers train on status 0.
+struct SampleRecord {
+    int64_t id = 0;
+    int split = 0;  ///< 0 train, 1 validation, 2 test
+    int status = 0;
+    Positions pose;                         ///< `[J x 3]`; with a body
+    Positions cloth;                        ///< `[V x 3]` r
+    Positions embedded;                     ///< `[V x 3]` r̃; with an embedding
+    Positions displacement;                 ///< `[V x 3]`; with an embedding
+    std::vector<Eigen::Quaterniond> frame;  ///< `[V]`; with an embedding
+    std::vector<float> image;               ///< `[C x H x W]`; with an image
+    CertificateRecord certificate;
+};
+
+using Digest = std::array<uint8_t, 16>;
+
+/// Writes DIR/dataset.h5 or any other path (contract, "Dataset file"): under another name first, renamed by `finish`,
+/// so that a file of this name is whole. Rows may come in any order and are stored in slot order, which keeps the bytes
+/// the same whatever the number of workers; those that came early wait in memory. One thread at a time.
+///
+/// Beyond the contract: `/samples/digest` (N,16) uint8, see `sample_digest`; attributes `duplicate_angle` on
+/// /samples/split, the gate's bounds on /certificate under the names of its datasets; `reasons` and `resampling_error`
+/// both at the root and on /samples/status and /samples/image.
+class DatasetWriter {
+  public:
+    /// `deflate`: gzip level 0 to 9 of the samples' arrays. Throws Error where the file cannot be made.
+    DatasetWriter(const std::string& path, const DatasetHeader& header, int sample_count, int deflate);
+    ~DatasetWriter();  ///< without `finish`: leaves nothing behind
+    DatasetWriter(const DatasetWriter&) = delete;
+    DatasetWriter& operator=(const DatasetWriter&) = delete;
+
+    /// Throws Error if the slot was written before, an array has the wrong size, or the disk is full.
+    void write(int slot, SampleRecord sample);
+    /// Error unless every slot was written. `resampling_error`: largest and root mean square [m], where there are
+    /// images.
+    void finish(const std::optional<std::array<double, 2>>& resampling_error);
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Reads a dataset file that `toile validate` would accept; throws Error for the first thing that keeps it from being
+/// read.
+class DatasetReader {
+  public:
+    explicit DatasetReader(const std::string& path);
+    const DatasetHeader& header() const { return header_; }
+    int sample_count() const { return sample_count_; }
+    SampleRecord read(int slot) const;
+    Digest stored_digest(int slot) const;
+    const Hdf5File& file() const { return file_; }
+
+  private:
+    Hdf5File file_;
+    DatasetHeader header_;
+    int sample_count_ = 0;
+};
+
+/// XXH3-128, big-endian, of a sample's stored bytes one after the other: id, split, status, pose, cloth, embedded,
+/// displacement, frame, image, then residual_force, body_penetration, self_intersections, max_stretch, min_stretch and
+/// max_speed, each little-endian in its stored type; what the file lacks is left out, and so is `seconds`, which no run
+/// repeats.
+Digest sample_digest(const SampleRecord& sample);
+
+}  // namespace toile::files
