@@ -82,6 +82,7 @@ struct RestSkeleton {
     const RoleMap& role;
     std::vector<Vector3d> position;
     std::vector<Vector3d> tip;  ///< where the joint's first child is, or its chain's end; else the joint itself
+    std::array<int, role_count> source = role.joint;  ///< the last joint of each role's bone
 
     std::optional<Vector3d> at(Role r) const {
         if (role[r] < 0) return {};
@@ -91,7 +92,11 @@ struct RestSkeleton {
     std::optional<Vector3d> bone(Role r) const {
         const std::optional<Role> end = bone_end(r);
         if (role[r] < 0 || !end) return {};
-        const Vector3d along = (role[*end] >= 0 ? position[role[*end]] : tip[role[r]]) - position[role[r]];
+        const int last = source[static_cast<int>(r)];
+        const Vector3d to = role[*end] >= 0 ? position[role[*end]] : tip[last];
+        Vector3d along = to - position[role[r]];
+        // A role may begin at a helper joint beside the bone (a hip's in the middle of the pelvis).
+        if (2 * (to - position[last]).norm() > along.norm()) along = to - position[last];
         if (!(along.norm() > 1e-9)) return {};
         return along.normalized();
     }
@@ -123,6 +128,8 @@ struct RestSkeleton {
 
 RestSkeleton rest_of(const files::Motion& motion, const RoleMap& role) {
     RestSkeleton rest{role, {}, {}};
+    for (int r = 0; r < role_count; ++r)
+        if (role.joint[r] >= 0) rest.source[r] = end_of_role(motion, role, role.joint[r]);
     const Positions position = rest_positions(motion);
     for (int j = 0; j < motion.joint_count(); ++j) {
         rest.position.push_back(position.row(j).transpose());
@@ -230,8 +237,7 @@ MotionFit fit_motion(const Body& body, const files::Motion& motion, const Motion
     for (int r = 0; r < role_count; ++r) {
         const Role role = static_cast<Role>(r);
         if (role == Role::pelvis || fit.role[role] < 0 || body.role[role] < 0) continue;
-        fit.link.push_back({body.role[role], end_of_role(motion, fit.role, fit.role[role]),
-                            alignment(body_rest, motion_rest, fit.axes, role)});
+        fit.link.push_back({body.role[role], motion_rest.source[r], alignment(body_rest, motion_rest, fit.axes, role)});
     }
     if (fit.link.empty())
         throw Error("no joint of the motion matches one of the body", where, "name them in the joint map");
