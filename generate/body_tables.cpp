@@ -19,6 +19,14 @@ skin::Role role_of(const ConfigTable& table, std::string_view key, const std::st
     }
 }
 
+/// A table of joint names by role.
+void bind_role_names(ConfigTable& parent, std::string_view name, std::map<skin::Role, std::string>& joint) {
+    auto table = parent.table(name, "joint names for roles; the others are found by name");
+    if (!table) return;
+    for (const std::string& role : table->keys())
+        table->text(role, joint[role_of(*table, role, role)], "a joint's name");
+}
+
 void bind_builtin(ConfigTable& table, skin::BuiltinBodyOptions& b) {
     table.real("height", b.height, {.lower = 1.2, .upper = 2.2, .unit = "m"});
     table.real("girth", b.girth, {.lower = 0.7, .upper = 1.4, .doc = "scales the thickness of trunk and limbs"});
@@ -33,9 +41,7 @@ void bind_rigged(ConfigTable& table, BodyConfig& body) {
     table.real("metres_per_unit", r.metres_per_unit,
                {.lower = 0, .upper = 1000, .unit = "m", .doc = "length of the file's unit; 0: found out"});
     table.texts("mesh", r.mesh, "names of the meshes to join; none: all that have a skin");
-    if (auto roles = table.table("roles", "joint names for roles; the others are found by name and place"))
-        for (const std::string& name : roles->keys())
-            roles->text(name, r.role[role_of(*roles, name, name)], "a joint's name");
+    bind_role_names(table, "roles", r.role);
 }
 
 }  // namespace
@@ -96,6 +102,18 @@ void bind_selection(ConfigTable& table, PosesConfig& poses) {
     poses.selection.number.assign(number.begin(), number.end());
 }
 
+void bind_motion(ConfigTable& table, skin::MotionOptions& m) {
+    table.integer("first_frame", m.first_frame, {.lower = 0});
+    table.integer("last_frame", m.last_frame, {.lower = -1, .doc = "-1: the motion's last"});
+    table.integer("stride", m.stride, {.lower = 1, .doc = "every so many frames"});
+    table.real("rate", m.rate,
+               {.lower = 0, .upper = 10000, .unit = "1/s", .doc = "poses a second; 0: the motion's own"});
+    table.choice<std::string>("up", m.up, axis_choices(), "axis of the motion that points up");
+    table.real("metres_per_unit", m.metres_per_unit,
+               {.lower = 0, .upper = 1000, .unit = "m", .doc = "length of the motion's unit; 0: found out"});
+    bind_role_names(table, "joints", m.joint);
+}
+
 }  // namespace
 
 void bind_poses(ConfigTable& root, SceneConfig& config) {
@@ -117,6 +135,7 @@ void bind_poses(ConfigTable& root, SceneConfig& config) {
     }
     table->path("file", poses.file, "the motion (.bvh) or table (.csv, .h5)");
     if (poses.file.written.empty()) table->fail("file", "is missing: poses.source asks for one");
+    if (poses.source == PoseSource::bvh) bind_motion(*table, poses.motion);
 }
 
 }  // namespace toile::generate

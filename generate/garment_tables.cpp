@@ -16,6 +16,37 @@ void bind_tshirt(ConfigTable& table, pattern::TshirtOptions& t) {
                {.lower = 0, .upper = 1, .unit = "m", .doc = "shoulder to cuff; 0: three quarters of the upper arm"});
 }
 
+void bind_patch(ConfigTable& table, pattern::PatchOptions& p) {
+    table.real("width", p.width, {.lower = 0.02, .upper = 10, .unit = "m", .doc = "along x"});
+    table.real("height", p.height, {.lower = 0.02, .upper = 10, .unit = "m"});
+    table.real("edge_length", p.edge_length,
+               {.lower = 0.002, .upper = 1, .unit = "m", .doc = "of the triangles, at most half of width and height"});
+    table.choice<pattern::PatchOrientation>(
+        "orientation", p.orientation,
+        {{"vertical", pattern::PatchOrientation::vertical}, {"horizontal", pattern::PatchOrientation::horizontal}},
+        "hangs from y = 0 facing +z, or lies on y = 0 facing +y");
+}
+
+void bind_file(ConfigTable& table, GarmentConfig& garment) {
+    pattern::GarmentFileOptions& f = garment.file_options;
+    table.path("file", garment.file, "OBJ or glTF with texture coordinates");
+    if (garment.file.written.empty()) table.fail("file", "is missing: garment.source is \"file\"");
+    table.real("unit_scale", f.unit_scale,
+               {.lower = 1e-6, .upper = 1000, .unit = "m", .doc = "length of the file's unit"});
+    table.choice<pattern::UpAxis>("up", f.up,
+                                  {{"x", pattern::UpAxis::x}, {"y", pattern::UpAxis::y}, {"z", pattern::UpAxis::z}},
+                                  "axis of the file that points up");
+    table.real(
+        "pattern_scale", f.pattern_scale,
+        {.lower = 0, .upper = 1000, .unit = "m", .doc = "length of a texture unit; 0: estimated from the garment"});
+    table.real("edge_length", f.edge_length,
+               {.lower = 0, .upper = 1, .unit = "m", .doc = "refined until no edge is longer; 0: as it is"});
+    table.real("clearance", f.clearance,
+               {.lower = 0, .upper = 0.02, .unit = "m", .doc = "distance from the body it is pushed out to"});
+    table.real("max_push", f.max_push,
+               {.lower = 0, .upper = 0.1, .unit = "m", .doc = "deepest penetration that is pushed out"});
+}
+
 }  // namespace
 
 void bind_garment(ConfigTable& root, SceneConfig& config) {
@@ -26,7 +57,14 @@ void bind_garment(ConfigTable& root, SceneConfig& config) {
         "source", garment.source,
         {{"tshirt", GarmentSource::tshirt}, {"patch", GarmentSource::patch}, {"file", GarmentSource::file}},
         "cut to the body, a rectangle, or a mesh with texture coordinates");
-    if (garment.source == GarmentSource::tshirt) bind_tshirt(*table, garment.tshirt);
+    switch (garment.source) {
+        case GarmentSource::tshirt:
+            return bind_tshirt(*table, garment.tshirt);
+        case GarmentSource::patch:
+            return bind_patch(*table, garment.patch);
+        case GarmentSource::file:
+            return bind_file(*table, garment);
+    }
 }
 
 }  // namespace toile::generate

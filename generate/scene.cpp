@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cloth/error.h"
+#include "skin/motion_poses.h"
 #include "skin/pose_table.h"
 
 namespace toile::generate {
@@ -13,16 +14,35 @@ skin::RiggedBody build_body(const BodyConfig& config) {
     return skin::read_rigged_body(config.file.resolved, config.rigged_options);
 }
 
-std::unique_ptr<skin::PoseSource> build_poses(const SceneConfig& config, const skin::Body& body) {
+std::unique_ptr<skin::PoseSource> build_poses(const SceneConfig& config, const skin::Body& body,
+                                              std::vector<std::string>& remarks) {
     const PosesConfig& poses = *config.poses;
-    if (poses.source == PoseSource::table)
-        return std::make_unique<skin::PoseList>(skin::read_pose_table(body, poses.file.resolved));
-    const std::string where = config.file + ":poses";
-    return std::make_unique<skin::SampledPoses>(skin::PoseSampler(body, poses.sampler, where), poses.count);
+    switch (poses.source) {
+        case PoseSource::sampler:
+            return std::make_unique<skin::SampledPoses>(skin::PoseSampler(body, poses.sampler, config.file + ":poses"),
+                                                        poses.count);
+        case PoseSource::bvh: {
+            skin::MotionPoses motion = skin::read_motion_poses(body, poses.file.resolved, poses.motion);
+            remarks.insert(remarks.end(), motion.fit.remarks.begin(), motion.fit.remarks.end());
+            return std::make_unique<skin::PoseList>(std::move(motion.poses));
+        }
+        case PoseSource::table:
+            return std::make_unique<skin::PoseList>(skin::read_pose_table(body, poses.file.resolved));
+    }
+    throw Error("unknown pose source", config.file + ":poses.source");
 }
 
 pattern::Garment build_garment(const SceneConfig& config, const std::optional<skin::Body>& body) {
-    return pattern::make_tshirt(*body, config.garment.tshirt);
+    const GarmentConfig& garment = config.garment;
+    switch (garment.source) {
+        case GarmentSource::tshirt:
+            return pattern::make_tshirt(*body, garment.tshirt);
+        case GarmentSource::patch:
+            return pattern::make_patch(garment.patch);
+        case GarmentSource::file:
+            return pattern::read_garment(garment.file.resolved, garment.file_options, body ? &*body : nullptr);
+    }
+    throw Error("unknown garment source", config.file + ":garment.source");
 }
 
 /// The two vertices whose pattern positions are highest at either side.
@@ -71,14 +91,19 @@ Scene build_posed_body(const SceneConfig& config) {
     scene.body = std::move(rigged.body);
     scene.remarks = std::move(rigged.remarks);
     if (!config.poses) return scene;
-    scene.poses = build_poses(config, *scene.body);
+    scene.poses = build_poses(config, *scene.body, scene.remarks);
     scene.pose_number = skin::selected_numbers(*scene.poses, config.poses->selection, config.file + ":poses.number");
     return scene;
 }
 
 Scene build_scene(const SceneConfig& config) {
     Scene scene = build_posed_body(config);
-    scene.garment = build_garment(config, scene.body);
+    try {
+        scene.garment = build_garment(config, scene.body);
+    } catch (const Error& error) {
+        if (!error.where().empty()) throw;
+        throw Error(error.what(), config.file + ":garment", error.mend());
+    }
     scene.garment.mesh.mass = lumped_mass(scene.garment.mesh, config.membrane.density_per_area);
     scene.remarks.insert(scene.remarks.end(), scene.garment.remarks.begin(), scene.garment.remarks.end());
     scene.pinned = pinned_vertices(config, scene.garment.mesh);

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "files/config_file.h"
+#include "pattern/garment_file.h"
+#include "pattern/patch.h"
 #include "pattern/pattern_image.h"
 #include "pattern/tshirt.h"
 #include "simulate/drape.h"
@@ -14,6 +16,7 @@
 #include "simulate/options.h"
 #include "skin/anatomy.h"
 #include "skin/builtin_body.h"
+#include "skin/motion_poses.h"
 #include "skin/pose_sampler.h"
 #include "skin/pose_source.h"
 #include "skin/rigged_body.h"
@@ -38,6 +41,7 @@ struct PosesConfig {
     int count = 12;  ///< poses of the sampler
     skin::SamplerOptions sampler;
     files::ConfigPath file;
+    skin::MotionOptions motion;
     skin::PoseSelection selection;  ///< which of the source's poses become samples
 };
 
@@ -47,7 +51,9 @@ enum class GarmentSource { tshirt, patch, file };
 struct GarmentConfig {
     GarmentSource source = GarmentSource::tshirt;
     pattern::TshirtOptions tshirt;
+    pattern::PatchOptions patch;
     files::ConfigPath file;
+    pattern::GarmentFileOptions file_options;
 };
 
 /// [output]

@@ -1,0 +1,220 @@
+#include "generate/validate_sample.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <limits>
+#include <numeric>
+
+#include "simulate/certificate.h"
+#include "skin/skinning.h"
+
+namespace toile::generate {
+namespace {
+
+constexpr double identity_tolerance = 1e-6;  // [m]
+constexpr double carried_tolerance = 1e-5;   // [m]
+
+std::string number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", value);
+    return text;
+}
+
+/// Collects defects of one sample, each with the dataset and the slot.
+class Lines {
+  public:
+    explicit Lines(int slot) : slot_(slot) {}
+    void add(const std::string& dataset, const std::string& what) {
+        line_.push_back(dataset + "[" + std::to_string(slot_) + "]: " + what);
+    }
+    /// One line for all `i` in [0, count) with `bad(i)`.
+    bool add_if_any(const std::string& dataset, Eigen::Index count, const std::string& kind, const std::string& what,
+                    const std::function<bool(Eigen::Index)>& bad) {
+        Eigen::Index found = 0, first = -1;
+        for (Eigen::Index i = 0; i < count; ++i) {
+            if (!bad(i)) continue;
+            if (found++ == 0) first = i;
+        }
+        if (found == 1) add(dataset, kind + " " + std::to_string(first) + " " + what);
+        if (found > 1)
+            add(dataset, kind + " " + std::to_string(first) + " and " + std::to_string(found - 1) + " more " + what);
+        return found > 0;
+    }
+    std::vector<std::string> take() { return std::move(line_); }
+
+  private:
+    int slot_;
+    std::vector<std::string> line_;
+};
+
+bool check_finite(const files::SampleRecord& sample, Lines& lines) {
+    bool bad = false;
+    auto rows = [&](const char* name, const Positions& value, const char* kind) {
+        bad |= lines.add_if_any(name, value.rows(), kind, "is not finite",
+                                [&](Eigen::Index i) { return !value.row(i).allFinite(); });
+    };
+    rows("/samples/pose", sample.pose, "joint");
+    rows("/samples/cloth", sample.cloth, "vertex");
+    rows("/samples/embedded", sample.embedded, "vertex");
+    rows("/samples/displacement", sample.displacement, "vertex");
+    bad |= lines.add_if_any("/samples/frame", static_cast<Eigen::Index>(sample.frame.size()), "vertex",
+                            "is not a unit quaternion",
+                            [&](Eigen::Index i) { return !(std::abs(sample.frame[i].norm() - 1) <= 1e-5); });
+    bad |= lines.add_if_any("/samples/image", static_cast<Eigen::Index>(sample.image.size()), "pixel", "is not finite",
+                            [&](Eigen::Index i) { return !std::isfinite(sample.image[i]); });
+    return !bad;
+}
+
+void check_identity(const files::SampleRecord& sample, Lines& lines) {
+    lines.add_if_any("/samples/displacement", static_cast<Eigen::Index>(sample.frame.size()), "vertex",
+                     "does not give r = r̃ + q·d·q⁻¹ to 1e-6 m", [&](Eigen::Index v) {
+                         const Eigen::Vector3d d = sample.displacement.row(v);
+                         const Eigen::Vector3d r = sample.embedded.row(v).transpose() + sample.frame[v] * d;
+                         const double off = (r - sample.cloth.row(v).transpose()).norm();
+                         return !(off <= identity_tolerance);
+                     });
+}
+
+Positions carried(const files::DatasetEmbedding& embedding, const Triangles& triangle, const Positions& posed) {
+    Positions position = Positions::Zero(embedding.barycentric.rows(), 3);
+    for (Eigen::Index v = 0; v < position.rows(); ++v)
+        for (int k = 0; k < 3; ++k)
+            position.row(v) += embedding.barycentric(v, k) * posed.row(triangle(embedding.triangle[v], k));
+    return position;
+}
+
+double distance(const Positions& a, const Positions& b) {
+    return (a - b).rowwise().norm().maxCoeff();
+}
+
+/// The posed body whose skinning carries the stored r̃ best, with a defect if neither does.
+Positions posed_body(const SampleChecker& checker, const files::SampleRecord& sample, Lines& lines) {
+    Positions best;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const auto method : {skin::SkinningMethod::linear, skin::SkinningMethod::dual_quaternion}) {
+        Positions posed = skin::skin_positions(*checker.body, sample.pose, method);
+        const double off = distance(carried(*checker.header.embedding, checker.body->triangle, posed), sample.embedded);
+        if (off >= nearest) continue;
+        nearest = off;
+        best = std::move(posed);
+        if (nearest <= carried_tolerance) break;
+    }
+    if (!(nearest <= carried_tolerance))
+        lines.add("/samples/embedded", "lies " + number(nearest) + " m off the posed body");
+    return best;
+}
+
+void check_image(const SampleChecker& checker, const files::SampleRecord& sample, Lines& lines) {
+    const files::DatasetImage& image = *checker.header.image;
+    const auto area = static_cast<Eigen::Index>(image.size) * image.size;
+    Positions value(area * image.layers, 3);
+    for (Eigen::Index layer = 0; layer < image.layers; ++layer)
+        for (Eigen::Index c = 0; c < 3; ++c)
+            for (Eigen::Index i = 0; i < area; ++i)
+                value(layer * area + i, c) = sample.image[(3 * layer + c) * area + i];
+    const double off = distance(checker.reading * value, sample.displacement);
+    const double reported = (*checker.header.resampling_error)[0];
+    if (!(off <= reported * (1 + 1e-3) + 1e-7))
+        lines.add("/samples/image",
+                  "reads back " + number(off) + " m off the displacement, resampling_error says " + number(reported));
+}
+
+struct Measured {
+    const char* name;
+    double value;
+};
+
+std::vector<Measured> measured(const files::CertificateRecord& c) {
+    return {{"residual_force", c.residual_force},
+            {"body_penetration", c.body_penetration},
+            {"self_intersections", static_cast<double>(c.self_intersections)},
+            {"max_stretch", c.max_stretch},
+            {"min_stretch", c.min_stretch},
+            {"max_speed", c.max_speed},
+            {"seconds", c.seconds}};
+}
+
+void check_certificate(const files::DatasetHeader& header, const files::SampleRecord& sample, Lines& lines) {
+    for (const Measured& one : measured(sample.certificate)) {
+        const std::string dataset = std::string("/certificate/") + one.name;
+        if (!std::isfinite(one.value) || one.value < 0) lines.add(dataset, "is " + number(one.value));
+        const auto bound = header.gate.find(one.name);
+        if (bound != header.gate.end() && one.value > bound->second)
+            lines.add(dataset, "is " + number(one.value) + ", above the gate's " + number(bound->second) +
+                                   ", yet the sample is accepted");
+    }
+}
+
+void check_measured(const SampleChecker& checker, const files::SampleRecord& sample, const Positions* posed,
+                    Lines& lines) {
+    auto compare = [&](const char* name, double stored, double found, double tolerance) {
+        if (!(std::abs(stored - found) <= tolerance))
+            lines.add(std::string("/certificate/") + name,
+                      "says " + number(stored) + ", but the cloth gives " + number(found));
+    };
+    // The cloth is stored in single precision: 1e-7 m on edges of a few millimetres.
+    const auto stretch = simulate::stretch_range(checker.topology, checker.rest_length, sample.cloth);
+    compare("max_stretch", sample.certificate.max_stretch, stretch.largest, 1e-3);
+    compare("min_stretch", sample.certificate.min_stretch, stretch.smallest, 1e-3);
+    if (!posed) return;
+    const double depth = simulate::body_penetration(checker.body->triangle, *posed, sample.cloth);
+    compare("body_penetration", sample.certificate.body_penetration, depth, 2e-5);
+}
+
+}  // namespace
+
+skin::Body skinned_body(const files::DatasetBody& stored) {
+    skin::Body body;
+    body.rest_position = stored.rest_position;
+    body.triangle = stored.triangle;
+    for (size_t j = 0; j < stored.joint_name.size(); ++j)
+        body.joint.push_back({stored.joint_name[j], stored.joint_parent[j], stored.joint_bind[j]});
+    std::vector<size_t> order(stored.weight_vertex.size());
+    std::iota(order.begin(), order.end(), size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](size_t a, size_t b) { return stored.weight_vertex[a] < stored.weight_vertex[b]; });
+    body.weight.offset.assign(static_cast<size_t>(body.vertex_count()) + 1, 0);
+    for (const size_t i : order) {
+        ++body.weight.offset[stored.weight_vertex[i] + 1];
+        body.weight.joint.push_back(stored.weight_joint[i]);
+        body.weight.value.push_back(stored.weight_value[i]);
+    }
+    std::partial_sum(body.weight.offset.begin(), body.weight.offset.end(), body.weight.offset.begin());
+    return body;
+}
+
+SampleChecker::SampleChecker(const files::DatasetHeader& shared) : header(shared) {
+    if (header.body) body = skinned_body(*header.body);
+    topology = build_topology(header.mesh.triangle);
+    rest_length = simulate::edge_rest_lengths(header.mesh, topology);
+    if (!header.image) return;
+    pattern::PatternLayout layout;
+    layout.size = header.image->size;
+    layout.layers = header.image->layers;
+    layout.pattern_pixel = header.image->pattern_pixel;
+    reading = pattern::reading_weights(header.mesh, layout);
+}
+
+std::vector<std::string> SampleChecker::defects(const files::SampleRecord& sample, const files::Digest& stored,
+                                                int slot) const {
+    Lines lines(slot);
+    if (files::sample_digest(sample) != stored) lines.add("/samples/digest", "does not match the sample's bytes");
+    if (sample.split < 0 || sample.split > 2) lines.add("/samples/split", "is " + std::to_string(sample.split));
+    if (sample.status < 0 || sample.status >= static_cast<int>(header.reasons.size()))
+        lines.add("/samples/status", "is " + std::to_string(sample.status) + ", which has no reason");
+    if (sample.status != 0) return lines.take();
+    check_certificate(header, sample, lines);
+    if (!check_finite(sample, lines)) return lines.take();
+    std::optional<Positions> posed;
+    if (header.embedding) {
+        check_identity(sample, lines);
+        posed = posed_body(*this, sample, lines);
+    }
+    if (header.image) check_image(*this, sample, lines);
+    check_measured(*this, sample, posed ? &*posed : nullptr, lines);
+    return lines.take();
+}
+
+}  // namespace toile::generate
