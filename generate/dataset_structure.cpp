@@ -121,7 +121,7 @@ bool present(const files::Hdf5File& file, const Feature& feature) {
 }
 
 void check_attributes(const files::Hdf5File& file, bool with_image, std::vector<std::string>& defect) {
-    auto need = [&](const std::string& object, const std::string& key, auto read) {
+    auto need = [&](const std::string& object, const auto& read) {
         try {
             read();
         } catch (const Error& error) {
@@ -129,12 +129,12 @@ void check_attributes(const files::Hdf5File& file, bool with_image, std::vector<
         }
     };
     for (const char* key : {"config", "config_hash", "program_version"})
-        need("/", key, [&] { file.string_attribute("/", key); });
-    need("/", "seed", [&] { file.integer_attribute("/", "seed"); });
-    need("/samples/status", "reasons", [&] { file.strings_attribute("/samples/status", "reasons"); });
-    need("/samples/split", "duplicate_angle", [&] { file.number_attribute("/samples/split", "duplicate_angle"); });
+        need("/", [&] { file.string_attribute("/", key); });
+    need("/", [&] { file.integer_attribute("/", "seed"); });
+    need("/samples/status", [&] { file.strings_attribute("/samples/status", "reasons"); });
+    need("/samples/split", [&] { file.number_attribute("/samples/split", "duplicate_angle"); });
     if (!with_image) return;
-    need("/samples/image", "resampling_error", [&] {
+    need("/samples/image", [&] {
         if (file.numbers_attribute("/samples/image", "resampling_error").size() != 2)
             throw Error("resampling_error does not hold two numbers");
     });

@@ -4,11 +4,9 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
-#include <limits>
-#include <numeric>
 
+#include "generate/stored_body.h"
 #include "simulate/certificate.h"
-#include "skin/skinning.h"
 
 namespace toile::generate {
 namespace {
@@ -77,33 +75,15 @@ void check_identity(const files::SampleRecord& sample, Lines& lines) {
                      });
 }
 
-Positions carried(const files::DatasetEmbedding& embedding, const Triangles& triangle, const Positions& posed) {
-    Positions position = Positions::Zero(embedding.barycentric.rows(), 3);
-    for (Eigen::Index v = 0; v < position.rows(); ++v)
-        for (int k = 0; k < 3; ++k)
-            position.row(v) += embedding.barycentric(v, k) * posed.row(triangle(embedding.triangle[v], k));
-    return position;
-}
-
 double distance(const Positions& a, const Positions& b) {
     return (a - b).rowwise().norm().maxCoeff();
 }
 
-/// The posed body whose skinning carries the stored r̃ best, with a defect if neither does.
-Positions posed_body(const SampleChecker& checker, const files::SampleRecord& sample, Lines& lines) {
-    Positions best;
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const auto method : {skin::SkinningMethod::linear, skin::SkinningMethod::dual_quaternion}) {
-        Positions posed = skin::skin_positions(*checker.body, sample.pose, method);
-        const double off = distance(carried(*checker.header.embedding, checker.body->triangle, posed), sample.embedded);
-        if (off >= nearest) continue;
-        nearest = off;
-        best = std::move(posed);
-        if (nearest <= carried_tolerance) break;
-    }
-    if (!(nearest <= carried_tolerance))
-        lines.add("/samples/embedded", "lies " + number(nearest) + " m off the posed body");
-    return best;
+Positions check_carried(const SampleChecker& checker, const files::SampleRecord& sample, Lines& lines) {
+    CarriedBody carried = posed_as_stored(checker.header, *checker.body, sample);
+    if (!(carried.distance <= carried_tolerance))
+        lines.add("/samples/embedded", "lies " + number(carried.distance) + " m off the posed body");
+    return std::move(carried.position);
 }
 
 void check_image(const SampleChecker& checker, const files::SampleRecord& sample, Lines& lines) {
@@ -165,26 +145,6 @@ void check_measured(const SampleChecker& checker, const files::SampleRecord& sam
 
 }  // namespace
 
-skin::Body skinned_body(const files::DatasetBody& stored) {
-    skin::Body body;
-    body.rest_position = stored.rest_position;
-    body.triangle = stored.triangle;
-    for (size_t j = 0; j < stored.joint_name.size(); ++j)
-        body.joint.push_back({stored.joint_name[j], stored.joint_parent[j], stored.joint_bind[j]});
-    std::vector<size_t> order(stored.weight_vertex.size());
-    std::iota(order.begin(), order.end(), size_t{0});
-    std::stable_sort(order.begin(), order.end(),
-                     [&](size_t a, size_t b) { return stored.weight_vertex[a] < stored.weight_vertex[b]; });
-    body.weight.offset.assign(static_cast<size_t>(body.vertex_count()) + 1, 0);
-    for (const size_t i : order) {
-        ++body.weight.offset[stored.weight_vertex[i] + 1];
-        body.weight.joint.push_back(stored.weight_joint[i]);
-        body.weight.value.push_back(stored.weight_value[i]);
-    }
-    std::partial_sum(body.weight.offset.begin(), body.weight.offset.end(), body.weight.offset.begin());
-    return body;
-}
-
 SampleChecker::SampleChecker(const files::DatasetHeader& shared) : header(shared) {
     if (header.body) body = skinned_body(*header.body);
     topology = build_topology(header.mesh.triangle);
@@ -210,7 +170,7 @@ std::vector<std::string> SampleChecker::defects(const files::SampleRecord& sampl
     std::optional<Positions> posed;
     if (header.embedding) {
         check_identity(sample, lines);
-        posed = posed_body(*this, sample, lines);
+        posed = check_carried(*this, sample, lines);
     }
     if (header.image) check_image(*this, sample, lines);
     check_measured(*this, sample, posed ? &*posed : nullptr, lines);

@@ -26,7 +26,4 @@ struct SampleChecker {
     pattern::PixelWeights reading;
 };
 
-/// The body as the skin room knows it, without roles; weights in vertex order.
-skin::Body skinned_body(const files::DatasetBody& stored);
-
 }  // namespace toile::generate

@@ -1,0 +1,175 @@
+#include "generate/contact_sheet.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb/stb_easy_font.h>
+#pragma GCC diagnostic pop
+
+namespace toile::generate {
+namespace {
+
+using Color = std::array<double, 3>;
+
+constexpr int gap = 12;     // between tiles
+constexpr int header = 48;  // above the tiles
+constexpr int label_width = 84;
+constexpr int text_scale = 1;
+constexpr Color ink{0.15, 0.15, 0.17};
+
+/// Cool to warm through grey, for values from -1 to 1 (after Moreland 2009).
+Color diverging(double value) {
+    const Color cool{0.23, 0.30, 0.75}, grey{0.87, 0.87, 0.87}, warm{0.71, 0.02, 0.15};
+    const double share = std::min(std::abs(value), 1.0);
+    Color color;
+    for (int c = 0; c < 3; ++c) color[c] = grey[c] + share * ((value < 0 ? cool[c] : warm[c]) - grey[c]);
+    return color;
+}
+
+void set_pixel(files::Picture& picture, int x, int y, const Color& color) {
+    if (x < 0 || y < 0 || x >= picture.width || y >= picture.height) return;
+    for (int c = 0; c < 3; ++c)
+        picture.value[(static_cast<size_t>(y) * picture.width + x) * 3 + c] =
+            static_cast<uint8_t>(std::lround(255 * color[c]));
+}
+
+void fill(files::Picture& picture, int x, int y, int width, int height, const Color& color) {
+    for (int j = y; j < y + height; ++j)
+        for (int i = x; i < x + width; ++i) set_pixel(picture, i, j, color);
+}
+
+void write_text(files::Picture& picture, int x, int y, std::string text) {
+    struct Corner {
+        float x, y, z;
+        unsigned char color[4];
+    };
+    std::vector<Corner> corner(text.size() * 80 + 4);
+    const int quads = stb_easy_font_print(0, 0, text.data(), nullptr, corner.data(),
+                                          static_cast<int>(corner.size() * sizeof(Corner)));
+    for (int q = 0; q < quads; ++q) {
+        const Corner &low = corner[4 * q], &high = corner[4 * q + 2];
+        fill(picture, x + text_scale * static_cast<int>(low.x), y + text_scale * static_cast<int>(low.y),
+             text_scale * static_cast<int>(high.x - low.x), text_scale * static_cast<int>(high.y - low.y), ink);
+    }
+}
+
+/// The part of a layer that the pattern covers, in pixels.
+struct Crop {
+    int column = 0, row = 0, width = 0, height = 0;
+};
+
+Crop covered(const files::DatasetImage& image, int layer) {
+    int left = image.size, right = -1, top = image.size, bottom = -1;
+    for (int row = 0; row < image.size; ++row) {
+        for (int column = 0; column < image.size; ++column) {
+            if (!image.mask[(static_cast<size_t>(layer) * image.size + row) * image.size + column]) continue;
+            left = std::min(left, column);
+            right = std::max(right, column);
+            top = std::min(top, row);
+            bottom = std::max(bottom, row);
+        }
+    }
+    if (right < 0) return {};
+    return {left, top, right - left + 1, bottom - top + 1};
+}
+
+/// A round number of millimetres that all but a few covered pixels of a component stay below.
+double scale_of(const files::DatasetImage& image, const std::vector<SheetRow>& row, int component) {
+    const size_t area = static_cast<size_t>(image.size) * image.size;
+    std::vector<float> size;
+    for (const SheetRow& one : row)
+        for (size_t i = 0; i < image.mask.size(); ++i)
+            if (image.mask[i]) {
+                const float value = one.image[(3 * (i / area) + component) * area + i % area];
+                if (std::isfinite(value)) size.push_back(std::abs(value));
+            }
+    if (size.empty()) return 0.001;
+    const auto place = size.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(size.size() - 1));
+    std::nth_element(size.begin(), place, size.end());
+    const double wanted = std::max<double>(*place, 1e-4);
+    const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
+    for (const double step : {1.0, 2.0, 5.0})
+        if (step * decade >= wanted) return step * decade;
+    return 10 * decade;
+}
+
+/// The places of the tiles on the sheet.
+struct Plan {
+    std::vector<Crop> crop;  ///< of each layer
+    int zoom = 1;
+    int tile_height = 0;
+    int component_width = 0;
+};
+
+Plan make_plan(const files::DatasetImage& image) {
+    Plan plan;
+    plan.zoom = std::max(1, 160 / image.size);
+    for (int layer = 0; layer < image.layers; ++layer) {
+        plan.crop.push_back(covered(image, layer));
+        plan.tile_height = std::max(plan.tile_height, plan.zoom * plan.crop.back().height);
+        plan.component_width += plan.zoom * plan.crop.back().width + gap;
+    }
+    return plan;
+}
+
+void draw_tiles(files::Picture& picture, const files::DatasetImage& image, const Plan& plan, const SheetRow& row,
+                int component, double scale, int x, int y) {
+    const size_t area = static_cast<size_t>(image.size) * image.size;
+    for (int layer = 0; layer < image.layers; ++layer) {
+        const Crop& crop = plan.crop[layer];
+        for (int j = 0; j < crop.height; ++j) {
+            for (int i = 0; i < crop.width; ++i) {
+                const size_t pixel = static_cast<size_t>(crop.row + j) * image.size + crop.column + i;
+                if (!image.mask[layer * area + pixel]) continue;
+                const double value = row.image[(3 * layer + component) * area + pixel];
+                const Color color = std::isfinite(value) ? diverging(value / scale) : Color{0, 0, 0};
+                fill(picture, x + plan.zoom * i, y + plan.zoom * j, plan.zoom, plan.zoom, color);
+            }
+        }
+        x += plan.zoom * crop.width + gap;
+    }
+}
+
+/// Name, bar and bounds of a component's scale.
+void draw_scale(files::Picture& picture, int component, double scale, int x) {
+    static const char* name[] = {"du (along u)", "dv (along v)", "dn (outwards)"};
+    char text[64];
+    std::snprintf(text, sizeof text, "%s, mm", name[component]);
+    write_text(picture, x, 8, text);
+    std::snprintf(text, sizeof text, "%g", -1000 * scale);
+    write_text(picture, x, 26, text);
+    constexpr int bar = 96, bar_left = 36;
+    for (int i = 0; i < bar; ++i) fill(picture, x + bar_left + i, 24, 1, 12, diverging(2.0 * i / (bar - 1) - 1));
+    std::snprintf(text, sizeof text, "%g", 1000 * scale);
+    write_text(picture, x + bar_left + bar + 6, 26, text);
+}
+
+}  // namespace
+
+files::Picture contact_sheet(const files::DatasetImage& image, const std::vector<SheetRow>& row) {
+    const Plan plan = make_plan(image);
+    const int component_step = std::max(plan.component_width + gap, 200);
+    files::Picture picture;
+    picture.channels = 3;
+    picture.width = label_width + 3 * component_step;
+    picture.height = header + static_cast<int>(row.size()) * (plan.tile_height + gap) + gap;
+    picture.value.assign(static_cast<size_t>(picture.width) * picture.height * 3, 255);
+    for (int component = 0; component < 3; ++component) {
+        const double scale = scale_of(image, row, component);
+        const int x = label_width + component * component_step;
+        draw_scale(picture, component, scale, x);
+        for (size_t i = 0; i < row.size(); ++i)
+            draw_tiles(picture, image, plan, row[i], component, scale, x,
+                       header + static_cast<int>(i) * (plan.tile_height + gap));
+    }
+    for (size_t i = 0; i < row.size(); ++i)
+        write_text(picture, 8, header + static_cast<int>(i) * (plan.tile_height + gap), row[i].label);
+    return picture;
+}
+
+}  // namespace toile::generate
