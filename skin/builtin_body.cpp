@@ -6,12 +6,14 @@
 #include "cloth/error.h"
 #include "skin/builtin_body_shape.h"
 #include "skin/builtin_body_weights.h"
-#include "skin/level_set.h"
+#include "skin/surface_extraction.h"
+#include "skin/surface_relaxation.h"
 
 namespace toile::skin {
 namespace {
 
 constexpr double shape_height = 1.75;  // of BuiltinShape [m]
+constexpr int relaxation_rounds = 8;
 
 void check_range(const char* key, double value, double lower, double upper) {
     if (value >= lower && value <= upper) return;
@@ -82,8 +84,9 @@ Body make_builtin_body(const BuiltinBodyOptions& options) {
     check_range("voxel", options.voxel, 0.008, 0.03);
     const BuiltinShape shape(options.girth);
     const double voxel = options.voxel * shape_height / options.height;
-    const Surface surface = extract_surface([&](const Eigen::Vector3d& point) { return shape.distance(point); },
-                                            shape.lower(), shape.upper(), voxel);
+    const auto distance = [&](const Eigen::Vector3d& point) { return shape.distance(point); };
+    Surface surface = extract_surface(distance, shape.lower(), shape.upper(), voxel);
+    relax_surface(distance, relaxation_rounds, surface);
     const BuiltinJoints joints = builtin_joints(options.girth);
     Body body;
     body.triangle = surface.triangle;

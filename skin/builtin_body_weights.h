@@ -2,7 +2,7 @@
 
 #include "skin/body.h"
 #include "skin/builtin_body_shape.h"
-#include "skin/level_set.h"
+#include "skin/surface_extraction.h"
 
 namespace toile::skin {
 

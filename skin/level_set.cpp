@@ -2,7 +2,6 @@
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/MeshToVolume.h>
-#include <openvdb/tools/VolumeToMesh.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -296,64 +295,6 @@ double LevelSet::Sampler::smooth_distance(const Eigen::Vector3d& point) const {
             distance += spline.weight[0][i] * spline.weight[1][j] *
                         Eigen::Map<const Eigen::Vector3d>(value.data() + 9 * i + 3 * j).dot(spline.weight[2]);
     return distance;
-}
-
-namespace {
-
-/// `distance` at the voxels of the box, which must enclose the inside.
-FloatGrid::Ptr sample_to_grid(const std::function<double(const Eigen::Vector3d&)>& distance,
-                              const Eigen::Vector3d& lower, const Eigen::Vector3d& upper, double voxel) {
-    const Eigen::Vector3i first = (lower / voxel).array().floor().cast<int>();
-    const Eigen::Vector3i last = (upper / voxel).array().ceil().cast<int>();
-    // Far values only have to have the right sign; what surrounds the box is outside.
-    auto grid = FloatGrid::create(static_cast<float>(4.0 * voxel));
-    grid->setTransform(openvdb::math::Transform::createLinearTransform(voxel));
-    auto cursor = grid->getAccessor();
-    for (int i = first[0]; i <= last[0]; ++i)
-        for (int j = first[1]; j <= last[1]; ++j)
-            for (int k = first[2]; k <= last[2]; ++k) {
-                const double value = distance(Eigen::Vector3d(i, j, k) * voxel);
-                if (!std::isfinite(value)) throw Error("extract_surface: the distance is not finite");
-                const bool on_box =
-                    i == first[0] || i == last[0] || j == first[1] || j == last[1] || k == first[2] || k == last[2];
-                if (on_box && value < 0.0) throw Error("extract_surface: the surface leaves the box");
-                cursor.setValue(Coord(i, j, k), static_cast<float>(value));
-            }
-    return grid;
-}
-
-Surface to_surface(const std::vector<openvdb::Vec3s>& point, const std::vector<openvdb::Vec4I>& quad) {
-    Surface surface;
-    surface.position.resize(static_cast<Eigen::Index>(point.size()), 3);
-    for (size_t v = 0; v < point.size(); ++v)
-        surface.position.row(static_cast<Eigen::Index>(v)) << point[v][0], point[v][1], point[v][2];
-    surface.triangle.resize(2 * static_cast<Eigen::Index>(quad.size()), 3);
-    for (size_t q = 0; q < quad.size(); ++q) {
-        const std::array<int, 4> c = {static_cast<int>(quad[q][0]), static_cast<int>(quad[q][1]),
-                                      static_cast<int>(quad[q][2]), static_cast<int>(quad[q][3])};
-        const auto at = [&](int k) { return surface.position.row(c[k]); };
-        const int s = (at(0) - at(2)).squaredNorm() <= (at(1) - at(3)).squaredNorm() ? 0 : 1;
-        const auto f = 2 * static_cast<Eigen::Index>(q);
-        surface.triangle.row(f) << c[s], c[s + 1], c[s + 2];
-        surface.triangle.row(f + 1) << c[s], c[s + 2], c[(s + 3) % 4];
-    }
-    return surface;
-}
-
-}  // namespace
-
-Surface extract_surface(const std::function<double(const Eigen::Vector3d&)>& distance, const Eigen::Vector3d& lower,
-                        const Eigen::Vector3d& upper, double voxel) {
-    if (!(voxel > 0.0) || !std::isfinite(voxel))
-        throw Error("extract_surface: voxel is " + std::to_string(voxel) + " m, must be above 0");
-    if (!lower.allFinite() || !upper.allFinite() || !(lower.array() < upper.array()).all())
-        throw Error("extract_surface: the box is empty");
-    if (((upper - lower) / voxel).prod() > 1e9) throw Error("extract_surface: the box holds too many voxels");
-    const FloatGrid::Ptr grid = sample_to_grid(distance, lower, upper, voxel);
-    std::vector<openvdb::Vec3s> point;
-    std::vector<openvdb::Vec4I> quad;
-    run_on_this_thread([&] { openvdb::tools::volumeToMesh(*grid, point, quad); });
-    return to_surface(point, quad);
 }
 
 }  // namespace toile::skin

@@ -1,15 +1,15 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <functional>
 #include <memory>
 
 #include "cloth/types.h"
+#include "skin/surface_extraction.h"
 
 namespace toile::skin {
 
-/// A narrow-band signed distance field on a sparse grid (OpenVDB), negative inside. The only file that includes
-/// OpenVDB. Immutable once built; `sample` may be called from several threads, each with its own `Sampler`.
+/// A narrow-band signed distance field on a sparse grid (OpenVDB), negative inside. Immutable once built; `sample` may
+/// be called from several threads, each with its own `Sampler`.
 class LevelSet {
   public:
     /// From a closed surface (an open one has no inside). At the grid's points distances are those to the triangles, up
@@ -42,8 +42,8 @@ class LevelSet {
             double distance;           ///< [m]
             Eigen::Vector3d gradient;  ///< continuous in the point
         };
-        /// The grid smoothed by quadratic B-splines: once continuously differentiable, as a minimiser wants it. Lies above the
-        /// distance by about voxel²/8 times the sum of the principal curvatures on a convex surface.
+        /// The grid smoothed by quadratic B-splines: once continuously differentiable, as a minimiser wants it. Lies
+        /// above the distance by about voxel²/8 times the sum of the principal curvatures on a convex surface.
         Smooth smooth(const Eigen::Vector3d& point) const;
         double smooth_distance(const Eigen::Vector3d& point) const;  ///< the distance of `smooth` alone
 
@@ -56,16 +56,5 @@ class LevelSet {
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };
-
-struct Surface {
-    Triangles triangle;
-    Positions position;
-};
-
-/// The zero surface of `distance` (negative inside, roughly a distance near its zero) within the box, as triangles
-/// counter-clockwise outside, by dual contouring. `voxel` [m] sets the resolution. Throws Error where the surface
-/// leaves the box or the distance is not finite.
-Surface extract_surface(const std::function<double(const Eigen::Vector3d&)>& distance, const Eigen::Vector3d& lower,
-                        const Eigen::Vector3d& upper, double voxel);
 
 }  // namespace toile::skin

@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -11,7 +10,6 @@
 #include <vector>
 
 #include "cloth/error.h"
-#include "cloth/topology.h"
 #include "skin/level_set.h"
 #include "skin/surface_query.h"
 
@@ -45,17 +43,6 @@ Surface make_sphere(const Eigen::Vector3d& center, double radius, int rings) {
         sphere.triangle.row(f++) << north, at(rings - 1, j), at(rings - 1, j + 1);
     }
     return sphere;
-}
-
-double volume(const Surface& surface) {
-    double six_volumes = 0.0;
-    for (Eigen::Index f = 0; f < surface.triangle.rows(); ++f) {
-        const Eigen::Vector3d a = surface.position.row(surface.triangle(f, 0)),
-                              b = surface.position.row(surface.triangle(f, 1)),
-                              c = surface.position.row(surface.triangle(f, 2));
-        six_volumes += a.dot(b.cross(c));
-    }
-    return six_volumes / 6.0;
 }
 
 class LevelSetOfSphere : public testing::Test {
@@ -245,34 +232,6 @@ TEST(LevelSet, RefusesWhatItCannotConvert) {
     broken = sphere;
     broken.position(0, 0) = 1e9;
     EXPECT_THROW(LevelSet(broken.triangle, broken.position, 0.01, 0.03), Error);
-}
-
-class ExtractSurface : public testing::Test {
-  protected:
-    const Eigen::Vector3d center{0.03, 1.0, -0.02};
-    const double radius = 0.2;
-    const std::function<double(const Eigen::Vector3d&)> sphere = [this](const Eigen::Vector3d& p) {
-        return (p - center).norm() - radius;
-    };
-    const Eigen::Vector3d lower = center.array() - 0.25, upper = center.array() + 0.25;
-};
-
-TEST_F(ExtractSurface, GivesAClosedManifoldWoundOutwards) {
-    const Surface surface = extract_surface(sphere, lower, upper, 0.01);
-    const Topology topology = build_topology(surface.triangle);
-    EXPECT_EQ(topology.non_manifold_edge, -1);
-    EXPECT_EQ((topology.edge_triangle.array() < 0).count(), 0);
-    EXPECT_EQ(surface.position.rows() - topology.edge.rows() + surface.triangle.rows(), 2);
-    EXPECT_NEAR(volume(surface), 4.0 / 3.0 * std::numbers::pi * std::pow(radius, 3), 1e-4);
-    for (Eigen::Index v = 0; v < surface.position.rows(); ++v) EXPECT_NEAR(sphere(surface.position.row(v)), 0.0, 5e-4);
-}
-
-TEST_F(ExtractSurface, RefusesWhatItCannotExtract) {
-    EXPECT_THROW(extract_surface(sphere, lower, upper, 0.0), Error);
-    EXPECT_THROW(extract_surface(sphere, upper, lower, 0.01), Error);
-    EXPECT_THROW(extract_surface(sphere, center, upper, 0.01), Error) << "the box cuts the sphere";
-    EXPECT_THROW(extract_surface(sphere, lower, upper, 1e-6), Error);
-    EXPECT_THROW(extract_surface([](const Eigen::Vector3d&) { return std::nan(""); }, lower, upper, 0.01), Error);
 }
 
 }  // namespace
