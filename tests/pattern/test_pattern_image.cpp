@@ -166,7 +166,7 @@ TEST_P(PatternImageTest, AutoTakesTheSmallestSizeUnderTheBound) {
     cloth = two_panels(40);  // finer than 32 pixels
     const std::vector<Positions> probe{fold_probe(cloth.mesh.rest_position)};
     ImageOptions options = options_of(0, GetParam());
-    options.max_error = 0.0005;
+    options.max_error = 0.0001;
     const AutoImageSize chosen = auto_image_size(cloth.mesh, cloth.triangle_panel, options, probe);
     ASSERT_TRUE(chosen.reached);
     EXPECT_LE(error_of(image_of(chosen.size), probe[0]).largest, options.max_error);
