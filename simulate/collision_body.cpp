@@ -15,6 +15,11 @@ namespace {
 /// A joint that has turned further than this since the level set was made may bring another part of the body close
 /// [rad].
 constexpr double largest_carried_rotation = 0.35;
+/// Voxel on the way to a pose over the voxel at the pose itself: only where the cloth comes to rest has to be exact.
+constexpr double path_coarseness = 2.0;
+/// Width of the band beyond the thickness, in voxels: room for what an iteration moves and for the interpolation's
+/// stencil.
+constexpr double band_voxels = 3.0;
 
 /// Which body vertices have a cloth vertex within about `reach`: a grid of that spacing, looked up with its neighbours.
 std::vector<bool> vertices_near(const Positions& body, const Positions& cloth, double reach) {
@@ -79,34 +84,45 @@ CollisionBody::CollisionBody(const skin::Body& body, skin::SkinningMethod method
       method_(method),
       surface_(surface),
       options_(options),
-      // Room for the thickness, for what a time step moves relative to the body, and for the interpolation's stencil.
-      band_width_(std::max(4.0 * options.voxel, thickness + 3.0 * options.voxel)),
+      thickness_(thickness),
       neighbour_(static_cast<size_t>(body.vertex_count())),
       in_use_(static_cast<size_t>(body.vertex_count()), 0) {
-    for (int f = 0; f < surface.triangle.rows(); ++f) {
-        for (int corner = 0; corner < 3; ++corner) {
-            const int a = surface.triangle(f, corner), b = surface.triangle(f, (corner + 1) % 3);
-            if (a < body.vertex_count() && b < body.vertex_count()) neighbour_[a].push_back(b);
-        }
-    }
+    for (int f = 0; f < body.triangle.rows(); ++f)
+        for (int corner = 0; corner < 3; ++corner)
+            neighbour_[body.triangle(f, corner)].push_back(body.triangle(f, (corner + 1) % 3));
 }
 
 CollisionBody::State CollisionBody::state_at(const skin::Pose& pose) const {
-    return {skin::skin_positions(body_, pose, method_), skin::blended_rotations(body_, pose), pose};
+    State state{skin::skin_positions(body_, pose, method_), {}, skin::blended_rotations(body_, pose), pose};
+    const Positions normal = vertex_normals(body_.triangle, state.position);
+    state.frame.assign(static_cast<size_t>(body_.vertex_count()), Eigen::Matrix3d::Identity());
+    for (int v = 0; v < body_.vertex_count(); ++v) {
+        if (neighbour_[v].empty()) continue;
+        const Eigen::Vector3d n = normal.row(v).transpose();
+        const Eigen::Vector3d side = (state.position.row(neighbour_[v].front()) - state.position.row(v)).transpose();
+        const Eigen::Vector3d bitangent = n.cross(side);
+        if (!(bitangent.norm() > 1e-3 * side.norm())) continue;  // a spike has no tangent plane
+        state.frame[v].col(1) = bitangent.normalized();
+        state.frame[v].col(0) = state.frame[v].col(1).cross(n);
+        state.frame[v].col(2) = n;
+    }
+    return state;
 }
 
 double CollisionBody::carried_error() const {
     double worst = 0.0;
     for (size_t v = 0; v < in_use_.size(); ++v) {
         if (!in_use_[v]) continue;
+        const Eigen::Vector3d normal = now_.frame[v].col(2);
         for (int w : neighbour_[v]) {
             const Eigen::Vector3d before =
                 (built_.position.row(w) - built_.position.row(static_cast<int>(v))).transpose();
             const Eigen::Vector3d after = (now_.position.row(w) - now_.position.row(static_cast<int>(v))).transpose();
-            worst = std::max(worst, (after - since_built_[v] * before).norm());
+            worst = std::max(worst, std::abs(normal.dot(after - since_built_[v] * before)));
         }
     }
-    return worst;
+    // A point lies within half an edge of the vertex it is tied to, where the deviation, being quadratic, is a quarter.
+    return 0.25 * worst;
 }
 
 void CollisionBody::move_to(const skin::Pose& pose, bool exact, DrapeReport& report) {
@@ -114,18 +130,18 @@ void CollisionBody::move_to(const skin::Pose& pose, bool exact, DrapeReport& rep
     State next = state_at(pose);
     before_ = level_set_ ? std::move(now_) : next;
     now_ = std::move(next);
-    since_built_.resize(now_.rotation.size());
+    since_built_.resize(now_.frame.size());
     bool make = exact || !level_set_ || skin::largest_joint_rotation(built_.pose, pose) > largest_carried_rotation;
     if (!make) {
-        for (size_t v = 0; v < since_built_.size(); ++v)
-            since_built_[v] = (now_.rotation[v] * built_.rotation[v].conjugate()).toRotationMatrix();
+        for (size_t v = 0; v < since_built_.size(); ++v) since_built_[v] = now_.frame[v] * built_.frame[v].transpose();
         make = carried_error() > options_.error_bound;
     }
     if (make) {
         ++report.level_sets;
         sampler_.reset();
-        level_set_ = std::make_unique<skin::LevelSet>(surface_.triangle, surface_.positions(now_.position),
-                                                      options_.voxel, band_width_);
+        const double voxel = options_.voxel * (exact ? 1.0 : path_coarseness);
+        level_set_ = std::make_unique<skin::LevelSet>(surface_.triangle, surface_.positions(now_.position), voxel,
+                                                      thickness_ + band_voxels * voxel);
         sampler_.emplace(*level_set_);
         built_ = now_;
         std::fill(since_built_.begin(), since_built_.end(), Eigen::Matrix3d::Identity());
@@ -172,11 +188,11 @@ int CollisionBody::piece_near(const Eigen::Vector3d& point, int last) const {
 }
 
 Eigen::Vector3d CollisionBody::to_world(const Eigen::Vector3d& local, int piece) const {
-    return now_.rotation[piece] * local + now_.position.row(piece).transpose();
+    return now_.frame[piece] * local + now_.position.row(piece).transpose();
 }
 
 Eigen::Vector3d CollisionBody::to_local(const Eigen::Vector3d& world, int piece) const {
-    return now_.rotation[piece].conjugate() * (world - now_.position.row(piece).transpose());
+    return now_.frame[piece].transpose() * (world - now_.position.row(piece).transpose());
 }
 
 }  // namespace toile::simulate

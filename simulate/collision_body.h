@@ -53,12 +53,13 @@ class CollisionBody final : public Obstacle {
   private:
     struct State {
         Positions position;
-        std::vector<Eigen::Quaterniond> rotation;
+        std::vector<Eigen::Matrix3d> frame;        // of the surface: columns tangent, bitangent, normal
+        std::vector<Eigen::Quaterniond> rotation;  // blended from the joints: smoother, for what is further away
         skin::Pose pose;
     };
     State state_at(const skin::Pose& pose) const;
-    /// How far the surface around each piece in use is from where its rigid motion carries it: the largest distance
-    /// between a neighbour of the piece's vertex and that neighbour carried by the piece [m].
+    /// How far the surface near each piece in use is from where the piece's rigid motion carries it, along the normal: from the
+    /// neighbours of the piece's vertex, the largest of all [m].
     double carried_error() const;
     Eigen::Vector3d to_built(const Eigen::Vector3d& world, int piece) const;
 
@@ -66,11 +67,11 @@ class CollisionBody final : public Obstacle {
     skin::SkinningMethod method_;
     const ReachableSurface& surface_;
     LevelSetOptions options_;
-    double band_width_;
+    double thickness_;
     std::vector<std::vector<int>> neighbour_;   // of each body vertex in reach
     mutable std::vector<std::uint8_t> in_use_;  // pieces points are tied to
     State built_, before_, now_;
-    std::vector<Eigen::Matrix3d> since_built_;  // rotation of each vertex since the level set was built
+    std::vector<Eigen::Matrix3d> since_built_;  // rotation of each piece since the level set was built
     std::unique_ptr<skin::LevelSet> level_set_;
     std::optional<skin::LevelSet::Sampler> sampler_;
 };

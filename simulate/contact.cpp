@@ -6,8 +6,8 @@
 namespace toile::simulate {
 namespace {
 
-/// How far a sticking point may be dragged before it slides [m]: small against the mesh, large against rounding.
-constexpr double stick_distance = 2e-4;
+/// A sticking point is held by a spring this much softer than contact is where cloth touches.
+constexpr double stick_softness = 0.1;
 
 double lumped_area(const ClothMesh& mesh, int f) {
     const auto p = mesh.pattern_triangle.row(f);
@@ -37,7 +37,12 @@ std::vector<ContactPoint> contact_points(const ClothMesh& mesh, const Topology& 
 
 Contact::Contact(const ContactOptions& options, double pressure, const std::vector<ContactPoint>& points,
                  const Obstacle& obstacle)
-    : options_(options), pressure_(pressure), points_(points), obstacle_(obstacle), state_(points.size()) {}
+    : options_(options),
+      pressure_(pressure),
+      stick_stiffness_(stick_softness * pressure / options.thickness),
+      points_(points),
+      obstacle_(obstacle),
+      state_(points.size()) {}
 
 Eigen::Vector3d Contact::position(const Positions& x, const ContactPoint& point) const {
     if (point.second < 0) return x.row(point.first).transpose();
@@ -95,89 +100,91 @@ void Contact::update_normal_force(const Positions& x) {
     }
 }
 
+Eigen::Vector3d Contact::slip_of(const State& state, const Eigen::Vector3d& p) const {
+    const Eigen::Vector3d slip = p - state.anchor_world;
+    return slip - slip.dot(state.normal) * state.normal;
+}
+
+double Contact::largest_friction(const State& state) const {
+    return options_.friction * state.normal_force;
+}
+
 void Contact::end_step(const Positions& x) {
     for (size_t k = 0; k < points_.size(); ++k) {
         State& state = state_[k];
         if (!state.anchored) continue;
-        const Eigen::Vector3d p = position(x, points_[k]);
-        Eigen::Vector3d slip = p - state.anchor_world;
-        slip -= slip.dot(state.normal) * state.normal;
-        const double length = slip.norm();
+        const Eigen::Vector3d p = position(x, points_[k]), slip = slip_of(state, p);
+        const double length = slip.norm(), reach = largest_friction(state) / (stick_stiffness_ * points_[k].area);
         // The normal part is dropped, so the anchor stays beside its point as the surface turns.
-        state.anchor_world = p - slip * (length > stick_distance ? stick_distance / length : 1.0);
+        state.anchor_world = p - slip * (length > reach ? reach / length : 1.0);
         state.anchor = obstacle_.to_local(state.anchor_world, state.piece);
     }
 }
 
 double Contact::energy(const Positions& x) const {
     double energy = 0.0;
-    const double friction = options_.friction;
     for (size_t k = 0; k < points_.size(); ++k) {
         const State& state = state_[k];
         const Eigen::Vector3d p = position(x, points_[k]);
         const double depth = options_.thickness - obstacle_.distance(p, state.piece);
         if (depth > 0.0) energy += points_[k].area * pressure_at(depth) * depth / 3.0;
-        if (state.normal_force > 0.0 && friction > 0.0) {
-            Eigen::Vector3d slip = p - state.anchor_world;
-            slip -= slip.dot(state.normal) * state.normal;
-            const double length = slip.norm();
-            energy +=
-                friction * state.normal_force *
-                (length < stick_distance ? 0.5 * length * length / stick_distance : length - 0.5 * stick_distance);
+        const double most = largest_friction(state);
+        if (most > 0.0) {
+            const double length = slip_of(state, p).norm(), spring = stick_stiffness_ * points_[k].area;
+            energy += spring * length < most ? 0.5 * spring * length * length : most * (length - 0.5 * most / spring);
         }
     }
     return energy;
 }
 
 void Contact::add_gradient(const Positions& x, Positions& gradient) const {
-    const double friction = options_.friction;
     for (size_t k = 0; k < points_.size(); ++k) {
         const State& state = state_[k];
         const Eigen::Vector3d p = position(x, points_[k]);
         const Obstacle::Contact contact = obstacle_.sample(p, state.piece);
         const double depth = options_.thickness - contact.distance;
         if (depth > 0.0) scatter(points_[k], -points_[k].area * pressure_at(depth) * contact.gradient, gradient);
-        if (state.normal_force > 0.0 && friction > 0.0) {
-            Eigen::Vector3d slip = p - state.anchor_world;
-            slip -= slip.dot(state.normal) * state.normal;
-            scatter(points_[k], friction * state.normal_force / std::max(slip.norm(), stick_distance) * slip, gradient);
+        const double most = largest_friction(state);
+        if (most > 0.0) {
+            const Eigen::Vector3d slip = slip_of(state, p);
+            const double spring = stick_stiffness_ * points_[k].area;
+            scatter(points_[k], std::min(spring, most / slip.norm()) * slip, gradient);
         }
     }
 }
 
-void Contact::add_gradient_and_hessian(const Positions& x, Positions& gradient, BlockMatrix& hessian) const {
-    add_gradient(x, gradient);
-    const double friction = options_.friction;
+Eigen::Matrix3d Contact::hessian_block(const ContactPoint& point, const State& state, const Eigen::Vector3d& p) const {
+    Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
+    const Obstacle::Contact contact = obstacle_.sample(p, state.piece);
+    const double depth = options_.thickness - contact.distance;
+    if (depth > 0.0) {
+        const double slope = 2.0 * pressure_ * depth / (options_.thickness * options_.thickness);
+        block += point.area * slope * contact.gradient * contact.gradient.transpose();
+    }
+    const double most = largest_friction(state);
+    if (most > 0.0) {
+        const Eigen::Matrix3d tangent = Eigen::Matrix3d::Identity() - state.normal * state.normal.transpose();
+        const Eigen::Vector3d slip = slip_of(state, p);
+        const double length = slip.norm(), spring = stick_stiffness_ * point.area;
+        if (spring * length < most) {
+            block += spring * tangent;
+        } else {
+            block += most / length * (tangent - slip * slip.transpose() / (length * length));
+        }
+    }
+    return block;
+}
+
+void Contact::add_hessian(const Positions& x, BlockMatrix& hessian) const {
     for (size_t k = 0; k < points_.size(); ++k) {
         const ContactPoint& point = points_[k];
-        const State& state = state_[k];
-        const Eigen::Vector3d p = position(x, point);
-        const Obstacle::Contact contact = obstacle_.sample(p, state.piece);
-        const double depth = options_.thickness - contact.distance;
-        Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
-        if (depth > 0.0) {
-            const double slope = 2.0 * pressure_ * depth / (options_.thickness * options_.thickness);
-            block += point.area * slope * contact.gradient * contact.gradient.transpose();
-        }
-        if (state.normal_force > 0.0 && friction > 0.0) {
-            const Eigen::Matrix3d tangent = Eigen::Matrix3d::Identity() - state.normal * state.normal.transpose();
-            const Eigen::Vector3d slip = tangent * (p - state.anchor_world);
-            const double length = slip.norm();
-            if (length < stick_distance) {
-                block += friction * state.normal_force / stick_distance * tangent;
-            } else {
-                block +=
-                    friction * state.normal_force / length * (tangent - slip * slip.transpose() / (length * length));
-            }
-        }
-        if (depth <= 0.0 && state.normal_force <= 0.0) continue;
+        const Eigen::Matrix3d block = hessian_block(point, state_[k], position(x, point));
         if (point.second < 0) {
             hessian.add(point.first, point.first, block);
         } else {
-            block *= 0.25;
-            hessian.add(point.first, point.first, block);
-            hessian.add(point.second, point.second, block);
-            hessian.add_at(point.slot, point.first, block);
+            hessian.add(point.first, point.first, 0.25 * block);
+            hessian.add(point.second, point.second, 0.25 * block);
+            hessian.add_at(point.slot, point.first, 0.25 * block);
         }
     }
 }

@@ -44,7 +44,7 @@ class Contact {
     double energy(const Positions& x) const;
     void add_gradient(const Positions& x, Positions& gradient) const;
     /// Positive semidefinite: the distance's own curvature is left out.
-    void add_gradient_and_hessian(const Positions& x, Positions& gradient, BlockMatrix& hessian) const;
+    void add_hessian(const Positions& x, BlockMatrix& hessian) const;
 
     /// The piece a vertex is tied to, and the one it starts from.
     int piece(int vertex) const { return state_[vertex].piece; }
@@ -61,10 +61,14 @@ class Contact {
     };
     Eigen::Vector3d position(const Positions& x, const ContactPoint& point) const;
     double pressure_at(double depth) const;
+    Eigen::Vector3d slip_of(const State& state, const Eigen::Vector3d& p) const;
+    double largest_friction(const State& state) const;
+    Eigen::Matrix3d hessian_block(const ContactPoint& point, const State& state, const Eigen::Vector3d& p) const;
     void scatter(const ContactPoint& point, const Eigen::Vector3d& gradient, Positions& total) const;
 
     ContactOptions options_;
     double pressure_;
+    double stick_stiffness_;  // per area [N/m^3]
     const std::vector<ContactPoint>& points_;
     const Obstacle& obstacle_;
     std::vector<State> state_;

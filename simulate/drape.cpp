@@ -174,8 +174,8 @@ void Run::follow(const skin::Pose& from, const skin::Pose& to) {
 }
 
 void Run::settle() {
-    // Pseudo-transient continuation: implicit Euler without memory of velocity, whose time step grows while Newton's steps are
-    // taken in full, up to statics. Close to rest the true Hessian converges quadratically.
+    // Pseudo-transient continuation: implicit Euler without memory of velocity, whose time step grows while Newton's
+    // steps are taken in full, up to statics. Close to rest the true Hessian converges quadratically.
     double h = scene_.solver.time_step;
     double target_residual = scene_.solver.residual_tolerance;
     while (report_.newton_iterations < scene_.solver.max_iterations) {

@@ -43,23 +43,17 @@ void ImplicitStep::clear_pinned(Positions& rows) const {
     for (int v : pinned_) rows.row(v).setZero();
 }
 
-void ImplicitStep::gradient_of(const Target& target, const Positions& x, BlockMatrix* hessian) {
+void ImplicitStep::gradient_of(const Target& target, const Positions& x) {
     const double h = target.time_step;
     gradient_.noalias() = mesh_.mass.asDiagonal() * ((x - *target.inertial) / (h * h));
     gradient_ += mesh_.mass.asDiagonal() * ((damping_ / h) * (x - *target.carried));
     elasticity_.add_gradient(x, gradient_);
-    for (Contact* contact : contacts_) {
-        if (hessian) {
-            contact->add_gradient_and_hessian(x, gradient_, *hessian);
-        } else {
-            contact->add_gradient(x, gradient_);
-        }
-    }
+    for (Contact* contact : contacts_) contact->add_gradient(x, gradient_);
     clear_pinned(gradient_);
 }
 
 double ImplicitStep::step_residual(const Target& target, const Positions& x) {
-    gradient_of(target, x, nullptr);
+    gradient_of(target, x);
     return gradient_.norm();
 }
 
@@ -93,7 +87,8 @@ ImplicitStep::Iteration ImplicitStep::iterate(const Target& target, HessianKind 
         const Stopwatch watch(report.contact_seconds);
         for (Contact* contact : contacts_) contact->update_normal_force(x);
         hessian_.set_zero();
-        gradient_of(target, x, &hessian_);
+        gradient_of(target, x);
+        for (Contact* contact : contacts_) contact->add_hessian(x, hessian_);
     }
     if (!gradient_.allFinite()) return failed;
     for (int v = 0; v < mesh_.vertex_count(); ++v) hessian_.add_identity(v, v, inertia * mesh_.mass[v]);

@@ -42,7 +42,7 @@ class ImplicitStep {
 
   private:
     double energy(const Target& target, const Positions& x) const;
-    void gradient_of(const Target& target, const Positions& x, BlockMatrix* hessian);
+    void gradient_of(const Target& target, const Positions& x);
     bool factor(const Positions& x, HessianKind kind, DrapeReport& report);
     void clear_pinned(Positions& rows) const;
 

@@ -8,9 +8,9 @@ namespace toile::simulate {
 /// jersey.
 struct MembraneOptions {
     double density_per_area = 0.18;  ///< [kg/m^2], 0.001 to 100
-    double warp_stiffness = 500.0;   ///< along v [N/m], above 0
-    double weft_stiffness = 500.0;   ///< along u [N/m], above 0
-    double shear_stiffness = 150.0;  ///< [N/m], above 0
+    double warp_stiffness = 1000.0;  ///< along v [N/m], above 0
+    double weft_stiffness = 1000.0;  ///< along u [N/m], above 0
+    double shear_stiffness = 300.0;  ///< [N/m], above 0
     double poisson_ratio = 0.3;      ///< coupling of warp and weft, 0 to 0.49
 };
 
