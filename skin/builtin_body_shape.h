@@ -29,11 +29,12 @@ class BuiltinShape {
 
   private:
     struct Part {
-        ImplicitColumn column;
-        double blend;  ///< width of the seam to the parts before it [m]
+        std::vector<ImplicitColumn> column;  ///< one in the middle, or a mirrored pair
+        double between;                      ///< width of the seam of a pair [m]
+        double blend;                        ///< width of the seam to the parts before it [m]
     };
-    void add(ImplicitColumn column, double blend);
-    void add_pair(const ImplicitColumn& column, double blend);
+    void add(const ImplicitColumn& column, double blend);
+    void add_pair(const ImplicitColumn& column, double between, double blend);
     void add_trunk();
     void add_head();
     void add_arms();

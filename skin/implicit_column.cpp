@@ -47,18 +47,17 @@ Across superellipse(double x, double y, double exponent) {
 
 }  // namespace
 
-ImplicitColumn::ImplicitColumn(const ColumnFrame& frame, std::vector<Section> sections, double start_cap,
-                               double end_cap, double squareness)
+ImplicitColumn::ImplicitColumn(const ColumnFrame& frame, std::vector<Section> sections, const ColumnCaps& caps,
+                               double squareness)
     : origin_(frame.origin),
       section_(std::move(sections)),
       slope_(monotone_slopes(section_)),
-      start_cap_(start_cap),
-      end_cap_(end_cap),
+      cap_(caps),
       squareness_(squareness) {
     const Eigen::Vector3d along = frame.along.normalized();
     const Eigen::Vector3d front = (frame.front - along * along.dot(frame.front)).normalized();
     to_local_ << front.cross(along).transpose(), front.transpose(), along.transpose();
-    reach_ = std::max(start_cap, end_cap);
+    reach_ = std::max(caps.start, caps.end);
     for (const Section& section : section_) {
         const double depth = std::max(section.front, section.back) + std::abs(section.shift_front);
         reach_ = std::max(reach_, std::hypot(section.side + std::abs(section.shift_side), depth));
@@ -76,12 +75,12 @@ Section ImplicitColumn::section_at(double along) const {
     while (i + 2 < section_.size() && section_[i + 1].at <= along) ++i;
     const double length = section_[i + 1].at - section_[i].at;
     const double t = (along - section_[i].at) / length, t2 = t * t, t3 = t2 * t;
-    const double a = 2 * t3 - 3 * t2 + 1, b = (t3 - 2 * t2 + t) * length, c = 3 * t2 - 2 * t3, d = (t3 - t2) * length;
+    const double a = 2 * t3 - 3 * t2 + 1, b = (t3 - 2 * t2 + t) * length, d = (t3 - t2) * length;
     Section section{};
     section.at = along;
     for (const auto field : fields)
         section.*field =
-            a * section_[i].*field + b * slope_[i].*field + c * section_[i + 1].*field + d * slope_[i + 1].*field;
+            a * section_[i].*field + (1 - a) * section_[i + 1].*field + b * slope_[i].*field + d * slope_[i + 1].*field;
     return section;
 }
 
@@ -91,8 +90,9 @@ double ImplicitColumn::distance(const Eigen::Vector3d& point) const {
     const Section section = section_at(along);
     const double side = local[0] - section.shift_side, front = local[1] - section.shift_front;
     const double beyond = local[2] - along;
-    const double depth = front > 0.0 ? section.front : section.back, cap = beyond > 0.0 ? end_cap_ : start_cap_;
-    // k is 1 on the surface; k - 1 over the length of its gradient is the distance to first order.
+    const double depth = front > 0.0 ? section.front : section.back, cap = beyond > 0.0 ? cap_.end : cap_.start;
+    // k is 1 on the surface; k - 1 over the length of its gradient is the distance to first order. The taper is left
+    // out of the gradient: far from the axis it would distort more than it corrects.
     const double x = std::abs(side) / section.side, y = std::abs(front) / depth, z = beyond / cap;
     const Across across = squareness_ == 2.0 ? ellipse(x, y) : superellipse(x, y, squareness_);
     const double k = std::hypot(across.value, z);

@@ -22,13 +22,17 @@ struct ColumnFrame {
     Eigen::Vector3d front;  ///< roughly; made perpendicular to the axis
 };
 
+/// How far the rounded ends reach beyond the first and the last section [m].
+struct ColumnCaps {
+    double start, end;
+};
+
 /// A limb as an implicit shape: sections along a straight axis, joined by monotone cubics (Fritsch and Carlson 1980)
 /// and closed by half ellipsoids at both ends.
 class ImplicitColumn {
   public:
-    /// `sections` ascending in `at`, at least two; `start_cap` and `end_cap` are the lengths of the ends [m];
-    /// `squareness` is the exponent of the sections: 2 an ellipse, more is boxier.
-    ImplicitColumn(const ColumnFrame& frame, std::vector<Section> sections, double start_cap, double end_cap,
+    /// `sections` ascending in `at`, at least two; `squareness` is their exponent: 2 an ellipse, more is boxier.
+    ImplicitColumn(const ColumnFrame& frame, std::vector<Section> sections, const ColumnCaps& caps,
                    double squareness = 2.0);
 
     /// Negative inside; a distance to first order near the surface [m].
@@ -46,8 +50,9 @@ class ImplicitColumn {
     Eigen::Matrix3d to_local_;  // rows: side, front, along
     Eigen::Vector3d origin_;
     std::vector<Section> section_;
-    std::vector<Section> slope_;  // of each field by `at`
-    double start_cap_, end_cap_, squareness_;
+    std::vector<Section> slope_;  // at the sections
+    ColumnCaps cap_;
+    double squareness_;
     double reach_;  // farthest a section or a cap goes from the axis between the sections
 };
 

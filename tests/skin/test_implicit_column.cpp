@@ -10,7 +10,7 @@ namespace {
 const ColumnFrame upright{{0.1, 0.2, -0.3}, Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ()};
 
 TEST(ImplicitColumn, OfEqualSectionsIsACylinderWithItsDistance) {
-    const ImplicitColumn cylinder(upright, {{0.0, 0.05, 0.05, 0.05}, {0.4, 0.05, 0.05, 0.05}}, 0.05, 0.05);
+    const ImplicitColumn cylinder(upright, {{0.0, 0.05, 0.05, 0.05}, {0.4, 0.05, 0.05, 0.05}}, {0.05, 0.05});
     const auto at = [&](double x, double y, double z) {
         return cylinder.distance(upright.origin + Eigen::Vector3d(x, y, z));
     };
@@ -24,7 +24,7 @@ TEST(ImplicitColumn, OfEqualSectionsIsACylinderWithItsDistance) {
 TEST(ImplicitColumn, VanishesOnItsSections) {
     const ImplicitColumn column(upright,
                                 {{0.0, 0.05, 0.04, 0.03}, {0.1, 0.08, 0.06, 0.05, 0.01, 0.02}, {0.3, 0.06, 0.07, 0.02}},
-                                0.02, 0.03, 2.5);
+                                {0.02, 0.03}, 2.5);
     const auto at = [&](double x, double y, double z) {
         // Side is front x along: -x here.
         return column.distance(upright.origin + Eigen::Vector3d(-x, y, z));
@@ -39,7 +39,7 @@ TEST(ImplicitColumn, VanishesOnItsSections) {
 
 TEST(ImplicitColumn, StaysBetweenNeighbouringSections) {
     const ImplicitColumn column(upright, {{0.0, 0.05, 0.05, 0.05}, {0.1, 0.05, 0.05, 0.05}, {0.2, 0.02, 0.02, 0.02}},
-                                0.02, 0.02);
+                                {0.02, 0.02});
     for (double y = 0.0; y <= 0.2; y += 0.005) {
         EXPECT_LE(column.distance(upright.origin + Eigen::Vector3d(0.02 - 1e-9, y, 0)), 0.0) << y;
         EXPECT_GE(column.distance(upright.origin + Eigen::Vector3d(0.05 + 1e-9, y, 0)), 0.0) << y;
@@ -48,7 +48,7 @@ TEST(ImplicitColumn, StaysBetweenNeighbouringSections) {
 
 TEST(ImplicitColumn, BoundIsBelowTheDistanceOfItsSurface) {
     const ImplicitColumn column(
-        upright, {{0.0, 0.05, 0.04, 0.03}, {0.1, 0.08, 0.06, 0.05, 0.01, 0.02}, {0.3, 0.06, 0.07, 0.02}}, 0.02, 0.03);
+        upright, {{0.0, 0.05, 0.04, 0.03}, {0.1, 0.08, 0.06, 0.05, 0.01, 0.02}, {0.3, 0.06, 0.07, 0.02}}, {0.02, 0.03});
     for (double x = -0.2; x <= 0.2; x += 0.03)
         for (double y = -0.2; y <= 0.5; y += 0.03)
             for (double z = -0.2; z <= 0.2; z += 0.03) {
@@ -61,7 +61,7 @@ TEST(ImplicitColumn, BoundIsBelowTheDistanceOfItsSurface) {
 
 TEST(ImplicitColumn, MirrorsInTheMiddle) {
     const ImplicitColumn column({{0.1, 0.2, 0.3}, {1.0, -1.0, 0.2}, {0.0, 0.1, 1.0}},
-                                {{0.0, 0.05, 0.04, 0.03, 0.01}, {0.3, 0.06, 0.07, 0.02}}, 0.02, 0.03);
+                                {{0.0, 0.05, 0.04, 0.03, 0.01}, {0.3, 0.06, 0.07, 0.02}}, {0.02, 0.03});
     const ImplicitColumn mirror = column.mirrored();
     for (int i = 0; i < 50; ++i) {
         const Eigen::Vector3d point(0.01 * i, 0.2 - 0.006 * i, 0.3 + 0.05 * std::sin(i));
