@@ -4,6 +4,8 @@
 #include <limits>
 #include <thread>
 
+#include "app/interrupt.h"
+
 namespace toile::app {
 
 void add_config_flag(CLI::App& command, Flags& flags) {
@@ -13,6 +15,14 @@ void add_config_flag(CLI::App& command, Flags& flags) {
                     "overrides one key of the configuration, for example --set poses.count=4; may be repeated")
         ->type_name("KEY=VALUE")
         ->allow_extra_args(false);
+}
+
+void add_generate_flags(CLI::App& command, Flags& flags) {
+    add_config_flag(command, flags);
+    command.add_option("--out", flags.out, "folder for the data set; made if it is not there")
+        ->type_name("DIR")
+        ->required();
+    add_jobs_flag(command, flags);
 }
 
 void add_jobs_flag(CLI::App& command, Flags& flags) {
@@ -27,6 +37,15 @@ CLI::Option* add_pose_flag(CLI::App& command, Flags& flags, const std::string& d
     return command.add_option("--pose", flags.pose, doc)
         ->type_name("K")
         ->check(CLI::Range(0, std::numeric_limits<int>::max()));
+}
+
+generate::GenerateOptions generate_options(const Flags& flags, ProgressDisplay& display) {
+    generate::GenerateOptions options;
+    options.folder = flags.out;
+    options.jobs = flags.jobs;
+    options.progress = [&display](const generate::Progress& progress) { display(progress); };
+    options.interrupted = watch_interrupt();
+    return options;
 }
 
 }  // namespace toile::app

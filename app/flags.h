@@ -5,6 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "app/progress.h"
+#include "generate/generate.h"
+
 namespace toile::app {
 
 /// Flags that several commands share.
@@ -16,8 +19,12 @@ struct Flags {
     int pose = -1;
 };
 
-void add_config_flag(CLI::App& command, Flags& flags);  ///< CONFIG and --set
+void add_config_flag(CLI::App& command, Flags& flags);     ///< CONFIG and --set
+void add_generate_flags(CLI::App& command, Flags& flags);  ///< those of a data set: CONFIG, --set, --out, --jobs
 void add_jobs_flag(CLI::App& command, Flags& flags);
 CLI::Option* add_pose_flag(CLI::App& command, Flags& flags, const std::string& doc);
+
+/// What the flags of a data set ask for; from now on an interrupt ends the work in order.
+generate::GenerateOptions generate_options(const Flags& flags, ProgressDisplay& display);
 
 }  // namespace toile::app

@@ -1,7 +1,6 @@
 #include "app/commands.h"
 #include "app/flags.h"
 #include "app/guard.h"
-#include "app/interrupt.h"
 #include "app/progress.h"
 #include "app/summary.h"
 #include "generate/generate.h"
@@ -12,15 +11,10 @@ namespace {
 int generate_dataset(const Flags& flags) {
     const generate::SceneConfig config = generate::read_scene(flags.config, flags.overrides);
     ProgressDisplay display;
-    generate::GenerateOptions options;
-    options.folder = flags.out;
-    options.jobs = flags.jobs;
-    options.progress = [&](const generate::Progress& progress) { display(progress); };
-    options.interrupted = watch_interrupt();
-    const generate::GenerateSummary summary = generate::generate(config, options);
+    const generate::GenerateSummary summary = generate::generate(config, generate_options(flags, display));
     display.finish();
     print_summary(summary);
-    return summary.accepted == summary.samples ? all_done : some_samples_failed;
+    return summary.failed.empty() ? all_done : some_samples_failed;
 }
 
 }  // namespace
@@ -28,11 +22,7 @@ int generate_dataset(const Flags& flags) {
 void add_generate_command(CLI::App& program, Work& chosen) {
     CLI::App* command = program.add_subcommand("generate", "poses, skin, simulate, embed, rasterise: DIR/dataset.h5");
     const auto flags = std::make_shared<Flags>();
-    add_config_flag(*command, *flags);
-    command->add_option("--out", flags->out, "folder for the data set; made if it is not there")
-        ->type_name("DIR")
-        ->required();
-    add_jobs_flag(*command, *flags);
+    add_generate_flags(*command, *flags);
     command->footer(
         "A pose that fails is kept with its reason and the run goes on; the exit status is then 3.\n\n"
         "  toile generate configs/tshirt.toml --out out/tshirt --jobs 2\n"

@@ -11,11 +11,11 @@ int parse(int argc, char** argv, toile::app::Work& chosen) {
     program.set_version_flag("--version", "toile " TOILE_VERSION);
     program.require_subcommand(1);
     program.footer("toile COMMAND --help explains each command.\n\n  toile run configs/quick.toml --out out/quick");
-
+    toile::app::add_run_command(program, chosen);
     toile::app::add_generate_command(program, chosen);
     toile::app::add_skin_command(program, chosen);
     toile::app::add_simulate_command(program, chosen);
-
+    toile::app::add_validate_command(program, chosen);
     toile::app::add_config_command(program, chosen);
     const auto known =
         program.get_subcommands([&](const CLI::App* one) { return argc > 1 && one->check_name(argv[1]); });

@@ -39,6 +39,16 @@ void print_summary(const generate::GenerateSummary& s) {
     for (const std::string& remark : s.remarks) say("  note             {}", remark);
 }
 
+void print_look(const std::vector<std::string>& path) {
+    for (const std::string& one : path) say("  look at          {}", one);
+}
+
+void print_validation(const generate::Validation& validation) {
+    if (validation.defect.empty())
+        say("  valid            {} samples checked, {} accepted", validation.samples, validation.accepted);
+    for (const std::string& defect : validation.defect) say("  not valid        {}", defect);
+}
+
 void print_drape(const simulate::DrapeResult& result, const std::string& path) {
     const simulate::Certificate& c = result.certificate;
     say("{}", path);

@@ -1,6 +1,7 @@
 #include "files/dataset_file.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <string_view>
 #include <utility>
 
@@ -120,6 +121,10 @@ Digest sample_digest(const SampleRecord& sample) {
     return digest;
 }
 
+std::string timing_path(const std::string& dataset) {
+    return std::filesystem::path(dataset).replace_extension(".timing.h5").string();
+}
+
 struct DatasetWriter::Impl {
     Impl(const std::string& path, const DatasetHeader& shared, int count, int level)
         : header(shared), sample_count(count), deflate(level), target(path), file(Hdf5File::create(target.partial())) {}
@@ -142,6 +147,7 @@ struct DatasetWriter::Impl {
     void check(const SampleRecord& sample, int slot) const;
     void store(const SampleRecord& sample);
     void write_certificates();
+    void write_timing(const std::string& path) const;
     void write_columns();
     [[noreturn]] void fail(const std::string& what) const { throw Error(what, target.path()); }
 };
@@ -206,7 +212,6 @@ void DatasetWriter::Impl::store(const SampleRecord& sample) {
 }
 
 void DatasetWriter::Impl::write_certificates() {
-    // Not compressed, so that wall times, which differ from run to run, do not move the bytes after them.
     const Storage storage{0, {}};
     const Shape shape{sample_count};
     auto column = [&](const std::string& name, auto member) {
@@ -221,8 +226,20 @@ void DatasetWriter::Impl::write_certificates() {
     column("max_stretch", &CertificateRecord::max_stretch);
     column("min_stretch", &CertificateRecord::min_stretch);
     column("max_speed", &CertificateRecord::max_speed);
-    column("seconds", &CertificateRecord::seconds);
+    const std::string timing = timing_path(target.path());
+    write_timing(timing);
+    file.link("/certificate/seconds", std::filesystem::path(timing).filename().string(), "/seconds");
     for (const auto& [name, largest] : header.gate) file.set_attribute("/certificate", name, largest);
+}
+
+void DatasetWriter::Impl::write_timing(const std::string& path) const {
+    std::vector<double> seconds;
+    for (const CertificateRecord& c : certificate) seconds.push_back(c.seconds);
+    NewFile timing(path);
+    Hdf5File timing_file = Hdf5File::create(timing.partial());
+    timing_file.write("/seconds", seconds, {sample_count}, Storage{0, {}});
+    timing_file.close();
+    timing.commit();
 }
 
 void DatasetWriter::Impl::write_columns() {

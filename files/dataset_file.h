@@ -82,6 +82,9 @@ using Digest = std::array<uint8_t, 16>;
 /// so that a file of this name is whole. Rows may come in any order and are stored in slot order, which keeps the bytes
 /// the same whatever the number of workers; those that came early wait in memory. One thread at a time.
 ///
+/// `/certificate/seconds` is measured and so differs from run to run: it lies in a file of its own, `timing_path`, and
+/// the data set links to it. The data set's own bytes depend on the samples alone.
+///
 /// Beyond the contract: `/samples/digest` (N,16) uint8, see `sample_digest`; attributes `duplicate_angle` on
 /// /samples/split, the gate's bounds on /certificate under the names of its datasets; `reasons` and `resampling_error`
 /// both at the root and on /samples/status and /samples/image.
@@ -104,8 +107,11 @@ class DatasetWriter {
     std::unique_ptr<Impl> impl_;
 };
 
+/// The file beside a data set that holds its `/certificate/seconds`: a/dataset.h5 -> a/dataset.timing.h5.
+std::string timing_path(const std::string& dataset);
+
 /// Reads a dataset file that `toile validate` would accept; throws Error for the first thing that keeps it from being
-/// read.
+/// read. Where the timing file stayed behind, `seconds` is NaN.
 class DatasetReader {
   public:
     explicit DatasetReader(const std::string& path);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 
 #include "cloth/error.h"
 #include "files/dataset_file.h"
@@ -160,7 +161,8 @@ SampleRecord DatasetReader::read(int slot) const {
     c.max_stretch = value_of<double>(file_, "/certificate/max_stretch", slot);
     c.min_stretch = value_of<double>(file_, "/certificate/min_stretch", slot);
     c.max_speed = value_of<double>(file_, "/certificate/max_speed", slot);
-    c.seconds = value_of<double>(file_, "/certificate/seconds", slot);
+    c.seconds = file_.has("/certificate/seconds") ? value_of<double>(file_, "/certificate/seconds", slot)
+                                                  : std::numeric_limits<double>::quiet_NaN();
     return sample;
 }
 

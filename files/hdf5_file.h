@@ -87,6 +87,9 @@ class Hdf5File {
     template <typename T>
     void write_row(const std::string& dataset, int64_t row, const T* value);
     void remove(const std::string& name);
+    /// Shows a dataset of another file under `name` (an external link). `file` is relative to this file's folder, and
+    /// need not be there.
+    void link(const std::string& name, const std::string& file, const std::string& dataset);
 
     // Attributes. `object` is a dataset or group; "/" is the root.
     bool has_attribute(const std::string& object, const std::string& key) const;

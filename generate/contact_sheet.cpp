@@ -19,7 +19,6 @@ using Color = std::array<double, 3>;
 constexpr int gap = 12;     // between tiles
 constexpr int header = 48;  // above the tiles
 constexpr int label_width = 84;
-constexpr int text_scale = 1;
 constexpr Color ink{0.15, 0.15, 0.17};
 
 /// Cool to warm through grey, for values from -1 to 1 (after Moreland 2009).
@@ -53,8 +52,8 @@ void write_text(files::Picture& picture, int x, int y, std::string text) {
                                           static_cast<int>(corner.size() * sizeof(Corner)));
     for (int q = 0; q < quads; ++q) {
         const Corner &low = corner[4 * q], &high = corner[4 * q + 2];
-        fill(picture, x + text_scale * static_cast<int>(low.x), y + text_scale * static_cast<int>(low.y),
-             text_scale * static_cast<int>(high.x - low.x), text_scale * static_cast<int>(high.y - low.y), ink);
+        fill(picture, x + static_cast<int>(low.x), y + static_cast<int>(low.y), static_cast<int>(high.x - low.x),
+             static_cast<int>(high.y - low.y), ink);
     }
 }
 
@@ -93,7 +92,7 @@ double scale_of(const files::DatasetImage& image, const std::vector<SheetRow>& r
     std::nth_element(size.begin(), place, size.end());
     const double wanted = std::max<double>(*place, 1e-4);
     const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
-    for (const double step : {1.0, 2.0, 5.0})
+    for (const double step : {1.0, 1.5, 2.0, 3.0, 5.0, 7.0})
         if (step * decade >= wanted) return step * decade;
     return 10 * decade;
 }

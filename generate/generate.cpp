@@ -107,7 +107,7 @@ void write_at_once(const Run& run, const std::string& path, const pattern::Patte
 /// of samples in bounded memory.
 void write_in_two_passes(const Run& run, const std::string& path, const std::string& drapes_path) {
     write_at_once(run, drapes_path, nullptr);
-    const ScratchFile scratch(drapes_path);
+    const ScratchFile scratch(drapes_path), scratch_timing(files::timing_path(drapes_path));
     const files::DatasetReader drapes(drapes_path);
     const SceneConfig& config = run.dressed.scene.config;
     const pattern::ImageOptions sized = fitting_image(run.dressed, drapes, run.summary.remarks);

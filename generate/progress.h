@@ -7,7 +7,7 @@ namespace toile::generate {
 
 /// How far a piece of long work has come.
 struct Progress {
-    std::string_view stage;  ///< "draping", "checking" ...
+    std::string_view stage = {};  ///< "draping", "checking" ...
     int done = 0;
     int total = 0;   ///< 0 where it is one piece
     int failed = 0;  ///< samples that are not accepted

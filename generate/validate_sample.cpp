@@ -112,8 +112,7 @@ std::vector<Measured> measured(const files::CertificateRecord& c) {
             {"self_intersections", static_cast<double>(c.self_intersections)},
             {"max_stretch", c.max_stretch},
             {"min_stretch", c.min_stretch},
-            {"max_speed", c.max_speed},
-            {"seconds", c.seconds}};
+            {"max_speed", c.max_speed}};
 }
 
 void check_certificate(const files::DatasetHeader& header, const files::SampleRecord& sample, Lines& lines) {
