@@ -186,7 +186,7 @@ struct PointPairs {
 /// Bone lengths hold in every pose, so neighbours' origins weigh much; the rotations of the default pose weigh little,
 /// and settle what the origins leave open.
 Affine3d BindBuilder::fitted(int node, const std::vector<bool>& inside) const {
-    constexpr double firm = 1, loose = 1e-4;
+    constexpr double firm = 1, loose = 1e-7;
     PointPairs pairs;
     double scale = 0;
     auto lean_on = [&](const Affine3d& guess, const Vector3d& origin) {
@@ -227,6 +227,24 @@ void BindBuilder::fit_unnamed(const std::vector<bool>& inside) {
     }
 }
 
+/// Nodes of the skeleton in the order the skins list them, as far as parents come first; the others as in the tree.
+std::vector<int> joint_order(const RiggedFile& file, const std::vector<int>& mesh, const std::vector<bool>& inside) {
+    std::vector<int> listed, order, chain;
+    for (const int m : mesh)
+        for (const RiggedBone& bone : file.mesh[m].bone) listed.push_back(bone.node);
+    for (size_t n = 0; n < file.node.size(); ++n) listed.push_back(static_cast<int>(n));
+    std::vector<bool> placed(file.node.size(), false);
+    for (const int n : listed) {
+        for (int above = n; above >= 0 && inside[above] && !placed[above]; above = file.node[above].parent) {
+            placed[above] = true;
+            chain.push_back(above);
+        }
+        order.insert(order.end(), chain.rbegin(), chain.rend());
+        chain.clear();
+    }
+    return order;
+}
+
 }  // namespace
 
 BindSkeleton bind_skeleton(const RiggedFile& file, const std::vector<int>& mesh, const std::string& where) {
@@ -237,11 +255,10 @@ BindSkeleton bind_skeleton(const RiggedFile& file, const std::vector<int>& mesh,
     builder.fit_unnamed(inside);
     BindSkeleton out = std::move(builder.out);
     out.joint_of_node.assign(nodes, -1);
-    for (size_t n = 0; n < nodes; ++n) {
-        if (!inside[n]) continue;
+    for (const int n : joint_order(file, mesh, inside)) {
         const int above = file.node[n].parent;
         out.joint_of_node[n] = static_cast<int>(out.joint.size());
-        out.joint.push_back({static_cast<int>(n), above < 0 ? -1 : out.joint_of_node[above], *builder.bind[n]});
+        out.joint.push_back({n, above < 0 ? -1 : out.joint_of_node[above], *builder.bind[n]});
     }
     return out;
 }

@@ -24,7 +24,8 @@ struct BindSkeleton {
     std::vector<std::string> remarks;
 };
 
-/// Joints are those of the skins, and what lies between them in the node tree. Their bind transforms are the inverses
+/// Joints are those of the skins, in the order the skins list them where parents come first, and what lies between them
+/// in the node tree. Their bind transforms are the inverses
 /// of the offset matrices. A joint that no skin names keeps the bone lengths of the node tree, and is turned to fit the
 /// joints around it (weighted least squares; Kabsch 1976). `mesh` lists the indices of the meshes to join, each with
 /// bones. Throws Error naming `where` for an offset matrix that is singular or mirrors.

@@ -15,15 +15,48 @@ namespace {
 
 using Influences = std::vector<std::pair<int, double>>;  // joint, value; heaviest first
 
-constexpr double sum_tolerance = 0.002;  // what three-digit text and half floats round off
+constexpr double sum_tolerance = 0.002;    // what three-digit text and half floats round off
+constexpr double weld_tolerance = 1e-6;    // of the body's size: what floats round off where meshes are placed apart
+constexpr double weight_tolerance = 1e-3;  // between the weights of vertices of two meshes that are to be one
+
+bool nearly_equal(const Influences& a, const Influences& b) {
+    if (a.size() != b.size()) return false;
+    for (const auto& [joint, value] : a) {
+        const auto same = std::find_if(b.begin(), b.end(), [j = joint](const auto& other) { return other.first == j; });
+        if (same == b.end() || std::abs(same->second - value) > weight_tolerance) return false;
+    }
+    return true;
+}
+
+/// Points by the cell they lie in, for finding those within a cell's width.
+struct CellIndex {
+    double width;
+    std::map<std::array<long long, 3>, std::vector<int>> in_cell;
+
+    std::array<long long, 3> cell(const Eigen::Vector3d& p) const {
+        return {std::llround(p.x() / width), std::llround(p.y() / width), std::llround(p.z() / width)};
+    }
+    void add(const Eigen::Vector3d& p, int index) { in_cell[cell(p)].push_back(index); }
+    std::vector<int> near(const Eigen::Vector3d& p) const {
+        std::vector<int> found;
+        for (int k = 0; k < 8; ++k) {
+            const Eigen::Vector3d corner =
+                p + 0.25 * width * Eigen::Vector3d(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1);
+            const auto entry = in_cell.find(cell(corner));
+            if (entry != in_cell.end()) found.insert(found.end(), entry->second.begin(), entry->second.end());
+        }
+        return found;
+    }
+};
 
 /// The surface as it grows, with an index for welding.
 struct SurfaceBuilder {
     const files::RiggedFile& file;
     const BindSkeleton& skeleton;
     const std::string& where;
-    std::map<std::pair<std::array<double, 3>, Influences>, int> known;
+    CellIndex cells;
     std::vector<Eigen::Vector3d> position;
+    std::vector<int> mesh_of;  // the mesh each joined vertex came from
     std::vector<Influences> influence;
     std::vector<std::array<int, 3>> triangle;
     int collapsed = 0, welded = 0, unused = 0;
@@ -73,7 +106,7 @@ struct SurfaceBuilder {
         for (int i = 0; i < mesh.triangle.size(); ++i) used[mesh.triangle.data()[i]] = true;
         std::vector<int> index(used.size(), -1);
         for (size_t v = 0; v < used.size(); ++v)
-            if (used[v]) index[v] = vertex(mesh, placement, static_cast<int>(v));
+            if (used[v]) index[v] = vertex(mesh, mesh_index, placement, static_cast<int>(v));
         for (int f = 0; f < mesh.triangle.rows(); ++f) {
             const std::array<int, 3> corners = {index[mesh.triangle(f, 0)], index[mesh.triangle(f, 1)],
                                                 index[mesh.triangle(f, 2)]};
@@ -85,18 +118,24 @@ struct SurfaceBuilder {
         unused += static_cast<int>(std::count(used.begin(), used.end(), false));
     }
 
-    int vertex(const files::RiggedMesh& mesh, const std::vector<Eigen::Affine3d>& placement, int v) {
+    /// Within a mesh what is the same vertex has the same bits; between meshes rounding is allowed for.
+    int vertex(const files::RiggedMesh& mesh, int mesh_index, const std::vector<Eigen::Affine3d>& placement, int v) {
         Influences influences = influences_of(mesh, v);
-        const Eigen::Vector3d p = placed(mesh, placement, v) + Eigen::Vector3d::Zero();
-        const auto [entry, fresh] =
-            known.try_emplace({{p.x(), p.y(), p.z()}, influences}, static_cast<int>(position.size()));
-        if (!fresh) {
+        const Eigen::Vector3d p = placed(mesh, placement, v);
+        for (const int other : cells.near(p)) {
+            const bool same = mesh_of[other] == mesh_index ? position[other] == p && influence[other] == influences
+                                                           : (position[other] - p).norm() <= 0.25 * cells.width &&
+                                                                 nearly_equal(influence[other], influences);
+            if (!same) continue;
             ++welded;
-        } else {
-            position.push_back(p);
-            influence.push_back(std::move(influences));
+            return other;
         }
-        return entry->second;
+        const int fresh = static_cast<int>(position.size());
+        cells.add(p, fresh);
+        position.push_back(p);
+        influence.push_back(std::move(influences));
+        mesh_of.push_back(mesh_index);
+        return fresh;
     }
 };
 
@@ -138,11 +177,18 @@ void remark_on_edges(JoinedSurface& surface) {
         surface.remarks.push_back("some edges of the surface belong to more than two triangles");
 }
 
+/// The extent of the skeleton in bind space.
+double size(const BindSkeleton& skeleton) {
+    Eigen::AlignedBox3d box;
+    for (const auto& joint : skeleton.joint) box.extend(Eigen::Vector3d(joint.bind.translation()));
+    return std::max(box.diagonal().norm(), 1e-12);
+}
+
 }  // namespace
 
 JoinedSurface join_surface(const files::RiggedFile& file, const std::vector<int>& mesh, const BindSkeleton& skeleton,
                            const std::string& where) {
-    SurfaceBuilder builder{file, skeleton, where, {}, {}, {}, {}};
+    SurfaceBuilder builder{file, skeleton, where, {4 * weld_tolerance * size(skeleton), {}}, {}, {}, {}, {}};
     for (size_t m = 0; m < mesh.size(); ++m) builder.add(mesh[m], skeleton.placement[m]);
     if (builder.triangle.empty()) throw Error("the body has no faces", where);
     JoinedSurface out;
