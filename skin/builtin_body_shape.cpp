@@ -86,9 +86,9 @@ void BuiltinShape::add_trunk() {
                     {1.05, 0.147, 0.099, 0.085},
                     {1.10, 0.143, 0.100, 0.080},
                     {1.16, 0.145, 0.103, 0.086},
-                    {1.22, 0.154, 0.108, 0.098},
-                    {1.28, 0.162, 0.108, 0.107},
-                    {1.33, 0.159, 0.097, 0.109},
+                    {1.22, 0.156, 0.110, 0.101},
+                    {1.28, 0.166, 0.111, 0.112},
+                    {1.33, 0.161, 0.100, 0.112},
                     {1.38, 0.140, 0.074, 0.100},
                     {1.42, 0.105, 0.054, 0.082},
                     {1.45, 0.070, 0.040, 0.064}},
@@ -97,8 +97,8 @@ void BuiltinShape::add_trunk() {
          2.35},
         0.01);
     // Chest muscle, shoulder blades and seat.
-    add_pair(ellipsoid({0.075 * g, 1.300, 0.050 * g}, {0.075 * g, 0.065, 0.038 * g}, up), 0.07, 0.07);
-    add_pair(ellipsoid({0.085 * g, 1.310, -0.070 * g}, {0.060 * g, 0.100, 0.032 * g}, up), 0.08, 0.08);
+    add_pair(ellipsoid({0.073 * g, 1.300, 0.027 * g}, {0.075 * g, 0.072, 0.060 * g}, up), 0.07, 0.05);
+    add_pair(ellipsoid({0.080 * g, 1.315, -0.043 * g}, {0.070 * g, 0.095, 0.062 * g}, up), 0.07, 0.05);
     add_pair(ellipsoid({0.074 * g, 0.900, -0.060 * g}, {0.074 * g, 0.085, 0.062 * g}, up), 0.03, 0.07);
 }
 
@@ -223,7 +223,8 @@ double BuiltinShape::distance(const Eigen::Vector3d& point) const {
         double part = part_[i].column.front().distance(point);
         if (part_[i].column.size() == 2)
             part = smooth_union(part, part_[i].column.back().distance(point), part_[i].between);
-        distance = smooth_union(distance, part, part_[i].blend);
+        // To first order a part can seem nearer than its bound; then skipping it just beyond would show as a step.
+        distance = smooth_union(distance, std::max(part, bound[i]), part_[i].blend);
     }
     return distance;
 }

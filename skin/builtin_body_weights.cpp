@@ -72,7 +72,7 @@ class Partition {
         const Eigen::Vector3d arm = (joint_.hand - joint_.upper_arm).normalized();
         const double radius = (point - joint_.upper_arm).cross(arm).norm() / girth_;
         const double along = along_arm(point, joint_.upper_arm);
-        return ramp(-0.05, 0.08, along) * ramp(0.105, 0.070, radius);
+        return ramp(-0.05, 0.08, along) * ramp(0.094, 0.062, radius);
     }
     double leg_share(const Eigen::Vector3d& point) const {
         // The border follows the groin: higher at the outside.
