@@ -70,9 +70,10 @@ class Partition {
     /// Beyond the shoulder along the arm, and about the arm rather than the chest beneath it.
     double arm_share(const Eigen::Vector3d& point) const {
         const Eigen::Vector3d arm = (joint_.hand - joint_.upper_arm).normalized();
-        const double radius = (point - joint_.upper_arm).cross(arm).norm() / girth_;
+        const double radius = (point - joint_.upper_arm).cross(arm).norm();
         const double along = along_arm(point, joint_.upper_arm);
-        return ramp(-0.05, 0.08, along) * ramp(0.094, 0.062, radius);
+        const double clear = 0.06 * ramp(0.25, 0.45, along);  // out here only the thumb is far from the axis
+        return ramp(-0.05, 0.08, along) * ramp(0.094 * girth_ + clear, 0.062 * girth_ + clear, radius);
     }
     double leg_share(const Eigen::Vector3d& point) const {
         // The border follows the groin: higher at the outside.
