@@ -3,9 +3,7 @@
 #include <tiny_gltf.h>
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <exception>
 #include <filesystem>
@@ -228,10 +226,8 @@ struct PrimitiveReader {
 }  // namespace
 
 bool is_gltf(const std::string& path) {
-    std::string extension = std::filesystem::path(path).extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    if (extension == ".gltf" || extension == ".glb" || extension == ".vrm") return true;
+    for (const char* extension : {".gltf", ".glb", ".vrm"})
+        if (has_extension(path, extension)) return true;
     char magic[4] = {};
     std::ifstream(path, std::ios::binary).read(magic, 4);
     return std::string(magic, 4) == "glTF";

@@ -5,6 +5,8 @@
 #include <unordered_map>
 
 #include "cloth/error.h"
+#include "files/mesh_scene.h"
+#include "files/obj_text.h"
 #include "files/rigged_file.h"
 
 namespace toile::files {
@@ -41,16 +43,13 @@ struct MeshGatherer {
         data.part_name.push_back(mesh.name);
         const bool has_texture = mesh.texture.rows() > 0;
         textured = textured && has_texture;
-        std::vector<int> index_of(static_cast<size_t>(mesh.position.rows()), -1);
+        std::vector<int> index_of(static_cast<size_t>(mesh.position.rows()));
+        for (int v = 0; v < mesh.position.rows(); ++v)
+            index_of[v] = joined(transform * mesh.position.row(v).transpose(), has_texture ? mesh.texture(v, 0) : 0,
+                                 has_texture ? mesh.texture(v, 1) : 0);
         for (int f = 0; f < mesh.triangle.rows(); ++f) {
             std::array<int, 3> corners;
-            for (int corner = 0; corner < 3; ++corner) {
-                const int v = mesh.triangle(f, corner);
-                if (index_of[v] < 0)
-                    index_of[v] = joined(transform * mesh.position.row(v).transpose(),
-                                         has_texture ? mesh.texture(v, 0) : 0, has_texture ? mesh.texture(v, 1) : 0);
-                corners[corner] = index_of[v];
-            }
+            for (int corner = 0; corner < 3; ++corner) corners[corner] = index_of[mesh.triangle(f, corner)];
             triangle.push_back(corners);
             data.part.push_back(part);
         }
@@ -75,6 +74,8 @@ struct MeshGatherer {
 }  // namespace
 
 MeshData read_mesh(const std::string& path) {
+    check_readable(path);
+    if (has_extension(path, ".obj")) check_obj_text(path);
     const RiggedFile file = read_scene(path);
     std::vector<Eigen::Affine3d> world;
     for (const RiggedNode& node : file.node) {

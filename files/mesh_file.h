@@ -20,7 +20,8 @@ struct MeshData {
 
 /// Reads OBJ, PLY, glTF and whatever else assimp reads; node transforms are applied, polygons are cut into triangles.
 /// Throws Error for a missing, empty, truncated or unreadable file, one without faces, or with positions that are not
-/// finite.
+/// finite; for OBJ also, with the line, a vertex without a face and a corner that is not there. Elsewhere vertices
+/// without a face are kept.
 MeshData read_mesh(const std::string& path);
 
 /// One mesh of a file of several.

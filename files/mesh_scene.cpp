@@ -2,10 +2,13 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <fstream>
 
 #include "cloth/error.h"
@@ -20,6 +23,13 @@ void check_readable(const std::string& path) {
     if (S_ISDIR(status.st_mode)) throw Error("this is a folder, not a mesh file", path);
     if (!std::ifstream(path, std::ios::binary)) throw Error("cannot open the file", path);
     if (status.st_size == 0) throw Error("the file is empty", path);
+}
+
+bool has_extension(const std::string& path, const std::string& extension) {
+    std::string ending = std::filesystem::path(path).extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return ending == extension;
 }
 
 std::string one_line(std::string text) {

@@ -15,6 +15,9 @@ const aiScene* open_scene(Assimp::Importer& importer, const std::string& path, u
 /// Throws Error where `path` is missing, a folder, empty or may not be read.
 void check_readable(const std::string& path);
 
+/// Whether `path` ends in `extension` (lower case, with its dot), in any case.
+bool has_extension(const std::string& path, const std::string& extension);
+
 /// A library's message, fit for one line.
 std::string one_line(std::string text);
 
