@@ -147,7 +147,7 @@ struct DatasetWriter::Impl {
     void check(const SampleRecord& sample, int slot) const;
     void store(const SampleRecord& sample);
     void write_certificates();
-    void write_timing(const std::string& path) const;
+    void write_timing(const NewFile& timing) const;
     void write_columns();
     [[noreturn]] void fail(const std::string& what) const { throw Error(what, target.path()); }
 };
@@ -226,20 +226,17 @@ void DatasetWriter::Impl::write_certificates() {
     column("max_stretch", &CertificateRecord::max_stretch);
     column("min_stretch", &CertificateRecord::min_stretch);
     column("max_speed", &CertificateRecord::max_speed);
-    const std::string timing = timing_path(target.path());
-    write_timing(timing);
-    file.link("/certificate/seconds", std::filesystem::path(timing).filename().string(), "/seconds");
+    const std::filesystem::path timing = timing_path(target.path());
+    file.link("/certificate/seconds", timing.filename().string(), "/seconds");
     for (const auto& [name, largest] : header.gate) file.set_attribute("/certificate", name, largest);
 }
 
-void DatasetWriter::Impl::write_timing(const std::string& path) const {
+void DatasetWriter::Impl::write_timing(const NewFile& timing) const {
     std::vector<double> seconds;
     for (const CertificateRecord& c : certificate) seconds.push_back(c.seconds);
-    NewFile timing(path);
     Hdf5File timing_file = Hdf5File::create(timing.partial());
     timing_file.write("/seconds", seconds, {sample_count}, Storage{0, {}});
     timing_file.close();
-    timing.commit();
 }
 
 void DatasetWriter::Impl::write_columns() {
@@ -282,8 +279,11 @@ void DatasetWriter::finish(const std::optional<std::array<double, 2>>& resamplin
         impl_->file.set_attribute("/", "resampling_error", error);
         impl_->file.set_attribute("/samples/image", "resampling_error", error);
     }
+    NewFile timing(timing_path(impl_->target.path()));
+    impl_->write_timing(timing);
     impl_->file.close();
     impl_->target.commit();
+    timing.commit();
 }
 
 }  // namespace toile::files

@@ -10,6 +10,7 @@
 
 #include "cloth/error.h"
 #include "files/dataset_file.h"
+#include "tests/support/file_size_limit.h"
 
 namespace toile::files {
 namespace {
@@ -271,6 +272,20 @@ TEST_F(DatasetFileTest, NothingIsLeftWithoutFinish) {
         EXPECT_THAT(message_of([&] { writer.finish(std::array<double, 2>{0, 0}); }), HasSubstr("slot 1 of 2"));
     }
     EXPECT_TRUE(std::filesystem::is_empty(folder_));
+}
+
+TEST_F(DatasetFileTest, AFullDiskLeavesNothingBehind) {
+    const DatasetHeader header = header_of(true, true);
+    write("dataset.h5", header, {0, 1, 2});
+    const auto size = static_cast<rlim_t>(std::filesystem::file_size(path()));
+    for (const auto& entry : std::filesystem::directory_iterator(folder_)) std::filesystem::remove(entry);
+    for (rlim_t bytes = 0; bytes < size; bytes += size / 17 + 1) {
+        const test::FileSizeLimit limit(bytes);
+        EXPECT_THROW(write("dataset.h5", header, {0, 1, 2}), Error) << bytes;
+        EXPECT_TRUE(std::filesystem::is_empty(folder_)) << bytes;
+    }
+    write("dataset.h5", header, {0, 1, 2});
+    EXPECT_EQ(DatasetReader(path()).sample_count(), 3);
 }
 
 TEST_F(DatasetFileTest, RefusesSamplesThatDoNotFit) {

@@ -1,11 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -14,10 +12,12 @@
 
 #include "cloth/error.h"
 #include "files/hdf5_file.h"
+#include "tests/support/file_size_limit.h"
 
 namespace toile::files {
 namespace {
 
+using test::FileSizeLimit;
 using testing::HasSubstr;
 
 class Hdf5FileTest : public testing::Test {
@@ -226,24 +226,6 @@ TEST_F(Hdf5FileTest, RefusesPlacesItMayNotWriteTo) {
     EXPECT_THAT(error_of([&] { Hdf5File::create(path("new.h5")); }).what(), HasSubstr("no permission"));
     ::chmod(folder_.c_str(), 0700);
 }
-
-/// The largest file this process may write: a full disk without the disk.
-class FileSizeLimit {
-  public:
-    explicit FileSizeLimit(rlim_t bytes) : previous_handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-        getrlimit(RLIMIT_FSIZE, &previous_);
-        const rlimit limit{bytes, previous_.rlim_max};
-        setrlimit(RLIMIT_FSIZE, &limit);
-    }
-    ~FileSizeLimit() {
-        setrlimit(RLIMIT_FSIZE, &previous_);
-        std::signal(SIGXFSZ, previous_handler_);
-    }
-
-  private:
-    rlimit previous_{};
-    void (*previous_handler_)(int);
-};
 
 TEST_F(Hdf5FileTest, NoticesAFullDiskWhileWriting) {
     const FileSizeLimit limit(100000);

@@ -1,0 +1,72 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include "cloth/error.h"
+#include "files/new_file.h"
+#include "tests/support/file_size_limit.h"
+
+namespace toile::files {
+namespace {
+
+class NewFileTest : public testing::Test {
+  protected:
+    void SetUp() override { std::filesystem::create_directories(folder_); }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+    std::string path() const { return (folder_ / "a.txt").string(); }
+    std::filesystem::path folder_ =
+        std::filesystem::temp_directory_path() / ("toile_new_file_" + std::to_string(getpid()));
+};
+
+std::string text_of(const std::string& path) {
+    std::ifstream stream(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TEST_F(NewFileTest, AppearsWholeAtTheCommit) {
+    std::ofstream(path()) << "old";
+    NewFile file(path());
+    file.write("new text", 8);
+    EXPECT_EQ(text_of(path()), "old");
+    file.commit();
+    EXPECT_EQ(text_of(path()), "new text");
+    EXPECT_FALSE(std::filesystem::exists(file.partial()));
+}
+
+TEST_F(NewFileTest, LeavesNothingWithoutACommit) {
+    { NewFile(path()).write("text", 4); }
+    EXPECT_TRUE(std::filesystem::is_empty(folder_));
+}
+
+TEST_F(NewFileTest, AFullDiskIsAnErrorAndLeavesNothing) {
+    const std::string text(5000, 'x');
+    {
+        const test::FileSizeLimit limit(4000);
+        NewFile file(path());
+        EXPECT_THROW(file.write(text.data(), text.size()), Error);
+    }
+    EXPECT_TRUE(std::filesystem::is_empty(folder_));
+}
+
+TEST_F(NewFileTest, RefusesPlacesThatCannotBeWrittenTo) {
+    auto message = [](const std::string& path) -> std::string {
+        try {
+            const NewFile file(path);
+        } catch (const Error& error) {
+            EXPECT_EQ(error.where(), path);
+            return error.what();
+        }
+        return "no error";
+    };
+    EXPECT_THAT(message((folder_ / "none" / "a").string()), testing::HasSubstr("folder does not exist"));
+    EXPECT_THAT(message(folder_.string()), testing::HasSubstr("a folder has this name"));
+    std::ofstream(path()).close();
+    EXPECT_THAT(message(path() + "/a"), testing::HasSubstr("not a folder"));
+}
+
+}  // namespace
+}  // namespace toile::files
