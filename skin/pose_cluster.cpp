@@ -15,8 +15,9 @@
 namespace toile::skin {
 namespace {
 
-constexpr int grid_joints = 4;
-using Coordinates = std::array<double, grid_joints>;
+constexpr int grid_joints = 4;    // each makes the grid finer, and triples the cells around one
+constexpr int sieve_joints = 12;  // compared before whole poses are: they lie side by side in memory
+using Coordinates = std::array<double, sieve_joints>;
 
 /// The rotations of the joints that move in any pose, as unit quaternions.
 class Rotations {
@@ -83,7 +84,7 @@ std::vector<Coordinates> grid_coordinates(const Rotations& rotation, int count) 
     std::stable_sort(joint.begin(), joint.end(), [&](int a, int b) { return variance[a] > variance[b]; });
     std::vector<Coordinates> coordinates(count, Coordinates{});
     for (int k = 0; k < count; ++k)
-        for (int i = 0; i < std::min<int>(grid_joints, rotation.joints()); ++i)
+        for (int i = 0; i < std::min<int>(sieve_joints, rotation.joints()); ++i)
             coordinates[k][i] = rotation.angle(0, k, joint[i]);
     return coordinates;
 }
@@ -96,9 +97,9 @@ class Grid {
     void insert(const Coordinates& at, int pose) {
         std::array<std::int64_t, grid_joints> cell;
         for (int i = 0; i < grid_joints; ++i) cell[i] = index(at[i]);
-        poses_[key(cell)].push_back(pose);
+        poses_[key(cell)].push_back({at, pose});
     }
-    /// Calls `visit(pose)` for every pose whose coordinates may be within `radius`, until it returns true.
+    /// Calls `visit(pose)` for every pose whose coordinates are within `radius`, until it returns true.
     template <typename Visit>
     bool any_near(const Coordinates& at, double radius, const Visit& visit) const {
         const double reach = radius * (1 + 1e-9) + 1e-12;  // more than the coordinates' rounding
@@ -109,8 +110,8 @@ class Grid {
         }
         while (true) {
             if (const auto found = poses_.find(key(cell)); found != poses_.end())
-                for (const int pose : found->second)
-                    if (visit(pose)) return true;
+                for (const Entry& entry : found->second)
+                    if (within(at, entry.at, reach) && visit(entry.pose)) return true;
             int i = 0;
             while (i < grid_joints && cell[i] == high[i]) {
                 cell[i] = low[i];
@@ -122,6 +123,15 @@ class Grid {
     }
 
   private:
+    struct Entry {
+        Coordinates at;
+        int pose;
+    };
+    static bool within(const Coordinates& a, const Coordinates& b, double reach) {
+        for (int i = 0; i < sieve_joints; ++i)
+            if (std::abs(a[i] - b[i]) > reach) return false;
+        return true;
+    }
     std::int64_t index(double coordinate) const { return static_cast<std::int64_t>(std::floor(coordinate / cell_)); }
     /// Cells that share a key are only visited needlessly.
     static std::uint64_t key(const std::array<std::int64_t, grid_joints>& cell) {
@@ -130,7 +140,7 @@ class Grid {
         return hash;
     }
     double cell_;
-    std::unordered_map<std::uint64_t, std::vector<int>> poses_;
+    std::unordered_map<std::uint64_t, std::vector<Entry>> poses_;
 };
 
 /// Poses within angle/2 of a leader, which are therefore within `angle` of each other. The leader comes first.
