@@ -25,6 +25,9 @@ struct Embedding {
 /// seam where panels disagree by more than a right angle, the panel that comes first counts). Both are averaged over
 /// the cloth within about 4 cm, since neighbours on the cloth can have parents far apart on the body, as below the
 /// arms.
+///
+/// On a garment with sleeves no such field is smooth everywhere: the axes go around the trunk and around each sleeve,
+/// and where the two meet there is one point, at the underarm, about which the frame turns once (Poincare-Hopf).
 Embedding embed(const ClothMesh& neutral_drape, const skin::Body& body);
 
 /// The shrink-wrapped cloth carried by a posed body, and the frame in which displacements are written.

@@ -7,6 +7,7 @@
 #include <CGAL/Delaunay_mesher_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_2.h>
+#include <CGAL/Random.h>
 #include <CGAL/lloyd_optimize_mesh_2.h>
 
 #include <algorithm>
@@ -14,6 +15,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 #include <vector>
 
 #include "cloth/error.h"
@@ -26,6 +28,11 @@ using Point = Kernel::Point_2;
 using Data = CGAL::Triangulation_data_structure_2<CGAL::Delaunay_mesh_vertex_base_2<Kernel>,
                                                   CGAL::Delaunay_mesh_face_base_2<Kernel>>;
 using Triangulation = CGAL::Constrained_Delaunay_triangulation_2<Kernel, Data>;
+
+/// Rounded to 0.1 micrometres: the last bits of CGAL's result depend on where its faces lie in memory.
+double settled(double coordinate) {
+    return std::ldexp(std::round(std::ldexp(coordinate, 23)), -23);
+}
 
 double distance_to_boundary(const Eigen::RowVector2d& p, const PlanePositions& boundary) {
     double nearest = std::numeric_limits<double>::infinity();
@@ -56,6 +63,8 @@ std::vector<Point> lattice(const PlanePositions& boundary, const CGAL::Polygon_2
 }
 
 Triangulation triangulate(const PlanePositions& boundary, const CGAL::Polygon_2<Kernel>& polygon, double edge_length) {
+    // CGAL orders its insertions by a generator that is seeded by the clock otherwise.
+    CGAL::get_default_random() = CGAL::Random(1);
     Triangulation mesh;
     mesh.insert_constraint(polygon.vertices_begin(), polygon.vertices_end(), true);
     const std::vector<Point> inside = lattice(boundary, polygon, edge_length);
@@ -86,13 +95,14 @@ PanelMesh mesh_panel(const PlanePositions& boundary, double edge_length) {
     std::vector<std::array<double, 2>> inside;
     for (auto v = mesh.finite_vertices_begin(); v != mesh.finite_vertices_end(); ++v)
         if (!number.contains({v->point().x(), v->point().y()})) inside.push_back({v->point().x(), v->point().y()});
-    std::sort(inside.begin(), inside.end(),
-              [](const auto& a, const auto& b) { return std::make_pair(a[1], a[0]) < std::make_pair(b[1], b[0]); });
+    std::sort(inside.begin(), inside.end(), [](const auto& a, const auto& b) {
+        return std::make_pair(settled(a[1]), settled(a[0])) < std::make_pair(settled(b[1]), settled(b[0]));
+    });
     panel.position.resize(boundary.rows() + static_cast<int>(inside.size()), 2);
     panel.position.topRows(boundary.rows()) = boundary;
     for (size_t i = 0; i < inside.size(); ++i) {
         const int row = static_cast<int>(boundary.rows() + i);
-        panel.position.row(row) << inside[i][0], inside[i][1];
+        panel.position.row(row) << settled(inside[i][0]), settled(inside[i][1]);
         number.emplace(inside[i], row);
     }
     std::vector<Eigen::RowVector3i> rows;
@@ -100,7 +110,11 @@ PanelMesh mesh_panel(const PlanePositions& boundary, double edge_length) {
         if (!f->is_in_domain()) continue;
         Eigen::RowVector3i& row = rows.emplace_back();
         for (int k = 0; k < 3; ++k) row[k] = number.at({f->vertex(k)->point().x(), f->vertex(k)->point().y()});
+        while (row[0] != row.minCoeff()) row = Eigen::RowVector3i(row[1], row[2], row[0]);
     }
+    std::sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) {
+        return std::make_tuple(a[0], a[1], a[2]) < std::make_tuple(b[0], b[1], b[2]);
+    });
     panel.triangle.resize(static_cast<int>(rows.size()), 3);
     for (size_t f = 0; f < rows.size(); ++f) panel.triangle.row(static_cast<int>(f)) = rows[f];
     return panel;
