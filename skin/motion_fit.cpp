@@ -50,14 +50,6 @@ int named_joint(const files::Motion& motion, std::string name, Role role, const 
                 where, "its joints are " + all);
 }
 
-RoleMap find_roles(const files::Motion& motion, const MotionFitOptions& options, const std::string& where) {
-    RoleMap fixed;
-    for (const auto& [role, name] : options.joint) fixed[role] = named_joint(motion, name, role, where);
-    std::vector<NamedJoint> joint;
-    for (int j = 0; j < motion.joint_count(); ++j) joint.push_back({motion.joint_name[j], motion.joint_parent[j]});
-    return detect_roles(joint, fixed);
-}
-
 bool descends(const files::Motion& motion, int joint, int ancestor) {
     while (joint > ancestor) joint = motion.joint_parent[joint];
     return joint == ancestor;
@@ -225,10 +217,18 @@ void remark(const Body& body, MotionFit& fit) {
 
 }  // namespace
 
+RoleMap motion_roles(const files::Motion& motion, const MotionFitOptions& options, const std::string& where) {
+    RoleMap fixed;
+    for (const auto& [role, name] : options.joint) fixed[role] = named_joint(motion, name, role, where);
+    std::vector<NamedJoint> joint;
+    for (int j = 0; j < motion.joint_count(); ++j) joint.push_back({motion.joint_name[j], motion.joint_parent[j]});
+    return detect_roles(joint, fixed);
+}
+
 MotionFit fit_motion(const Body& body, const files::Motion& motion, const MotionFitOptions& options,
                      const std::string& where) {
     MotionFit fit;
-    fit.role = find_roles(motion, options, where);
+    fit.role = motion_roles(motion, options, where);
     fit.pelvis = fit.role[Role::pelvis];
     if (fit.pelvis < 0) throw Error("the motion has no joint for the role pelvis", where, "name it in the joint map");
 

@@ -37,6 +37,10 @@ struct MotionFit {
     std::vector<std::string> remarks;  ///< what was found out or is missing, one sentence each
 };
 
+/// Which joint of the motion does what: the joints given, the others by their names. Throws Error at `where` for a role
+/// given to a joint that is absent or whose name is not unique.
+RoleMap motion_roles(const files::Motion& motion, const MotionFitOptions& options, const std::string& where);
+
 /// Throws Error at `where` (the motion's file): a role given to a joint that is absent or whose name is not unique; no
 /// pelvis; no role in common with the body; a rest skeleton that does not tell up or left; an unknown axis, or one that
 /// is across the way from pelvis to head; a unit that is negative or makes the skeleton no size for a person.

@@ -1,8 +1,10 @@
 #include "skin/motion_poses.h"
 
 #include <cmath>
+#include <optional>
 
 #include "cloth/error.h"
+#include "skin/motion_rest.h"
 
 namespace toile::skin {
 namespace {
@@ -85,8 +87,13 @@ std::vector<Pose> motion_poses(const Body& body, const files::Motion& motion, co
 }
 
 MotionPoses read_motion_poses(const Body& body, const std::string& path, const MotionOptions& options) {
-    const files::Motion motion = files::read_motion(path);
+    files::Motion motion = files::read_motion(path);
+    const std::optional<int> standing = standing_frame(motion, motion_roles(motion, options, path));
+    if (standing) motion = with_rest_frame(motion, *standing);
     MotionFit fit = fit_motion(body, motion, options, path);
+    if (standing)
+        fit.remarks.push_back("the file's rest pose is no standing person: frame " + std::to_string(*standing) +
+                              " is taken for it");
     return {PoseList(motion_poses(body, motion, fit, options, path)), std::move(fit)};
 }
 

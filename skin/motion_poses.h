@@ -29,7 +29,8 @@ struct MotionPoses {
     MotionFit fit;
 };
 
-/// Reads a BVH file (`files::read_motion`) and poses the body after it.
+/// Reads a BVH file (`files::read_motion`) and poses the body after it. Where the file's rest pose is no standing
+/// person, a frame takes its place (`standing_frame`).
 MotionPoses read_motion_poses(const Body& body, const std::string& path, const MotionOptions& options = {});
 
 }  // namespace toile::skin
