@@ -16,13 +16,33 @@ namespace {
 constexpr double voxel = 0.008;
 constexpr double band = 0.032;
 
+/// The body with its open boundaries closed by fans around their middles: an open surface has no inside.
+skin::Surface closed(const skin::Body& body) {
+    const std::vector<std::vector<int>> loops = boundary_loops(body.triangle);
+    size_t fans = 0;
+    for (const std::vector<int>& loop : loops) fans += loop.size();
+    skin::Surface surface = {body.triangle, body.rest_position};
+    int row = static_cast<int>(body.triangle.rows()), center = body.vertex_count();
+    surface.triangle.conservativeResize(row + static_cast<int>(fans), 3);
+    surface.position.conservativeResize(center + static_cast<int>(loops.size()), 3);
+    for (const std::vector<int>& loop : loops) {
+        surface.position.row(center).setZero();
+        for (size_t i = 0; i < loop.size(); ++i) {
+            surface.position.row(center) += body.rest_position.row(loop[i]) / static_cast<double>(loop.size());
+            surface.triangle.row(row++) << loop[(i + 1) % loop.size()], loop[i], center;
+        }
+        ++center;
+    }
+    return surface;
+}
+
 class Settler {
   public:
-    Settler(ClothMesh& mesh, const skin::Body& body, const SettleOptions& options)
+    Settler(ClothMesh& mesh, const skin::Surface& body, const SettleOptions& options)
         : mesh_(mesh),
           options_(options),
-          query_(body.triangle, body.rest_position),
-          level_set_(body.triangle, body.rest_position, voxel, band),
+          query_(body.triangle, body.position),
+          level_set_(body.triangle, body.position, voxel, band),
           sample_(level_set_),
           topology_(build_topology(mesh.triangle)),
           rest_length_(pattern_edge_lengths(mesh)) {}
@@ -137,7 +157,7 @@ class Settler {
 }  // namespace
 
 SettleReport settle(ClothMesh& mesh, const skin::Body& body, const SettleOptions& options) {
-    return Settler(mesh, body, options).run();
+    return Settler(mesh, closed(body), options).run();
 }
 
 Eigen::VectorXd pattern_edge_lengths(const ClothMesh& mesh) {

@@ -94,6 +94,17 @@ TEST(Tshirt, fits_the_built_in_body_in_an_A_and_a_T_pose) {
     expect_wearable(make_tshirt(spread, {.edge_length = 0.035}), spread);
 }
 
+TEST(Tshirt, fits_a_body_that_is_not_closed) {
+    skin::Body body = skin::make_builtin_body({.voxel = 0.025});
+    Triangles headless(body.triangle.rows(), 3);
+    int count = 0;
+    for (int f = 0; f < body.triangle.rows(); ++f)
+        if (body.rest_position(body.triangle(f, 0), 1) < 1.6) headless.row(count++) = body.triangle.row(f);
+    body.triangle = headless.topRows(count).eval();
+    ASSERT_FALSE(boundary_loops(body.triangle).empty());
+    expect_wearable(make_tshirt(body, {.edge_length = 0.045}), body);
+}
+
 TEST(Tshirt, follows_its_options) {
     const skin::Body body = skin::make_builtin_body({.voxel = 0.025});
     const Garment plain = make_tshirt(body, {.edge_length = 0.04});
