@@ -58,8 +58,8 @@ class CollisionBody final : public Obstacle {
         skin::Pose pose;
     };
     State state_at(const skin::Pose& pose) const;
-    /// How far the surface near each piece in use is from where the piece's rigid motion carries it, along the normal: from the
-    /// neighbours of the piece's vertex, the largest of all [m].
+    /// How far the surface near each piece in use is from where the piece's rigid motion carries it, along the normal:
+    /// from the neighbours of the piece's vertex, the largest of all [m].
     double carried_error() const;
     Eigen::Vector3d to_built(const Eigen::Vector3d& world, int piece) const;
 

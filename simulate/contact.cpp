@@ -8,6 +8,11 @@ namespace {
 
 /// A sticking point is held by a spring this much softer than contact is where cloth touches.
 constexpr double stick_softness = 0.1;
+/// ... and softer still where contact is light, so that it gives by this much before it slides [m]: less is stiffer
+/// than Newton's steps are small.
+constexpr double longest_stick = 3e-4;
+/// The normal force may waver by this factor before the spring follows it.
+constexpr double spring_tolerance = 4.0;
 
 double lumped_area(const ClothMesh& mesh, int f) {
     const auto p = mesh.pattern_triangle.row(f);
@@ -78,13 +83,14 @@ void Contact::begin_step(const Positions& x) {
     }
 }
 
-void Contact::update_normal_force(const Positions& x) {
+void Contact::linearise(const Positions& x) {
     for (size_t k = 0; k < points_.size(); ++k) {
         State& state = state_[k];
-        const Eigen::Vector3d p = position(x, points_[k]);
-        const Obstacle::Contact contact = obstacle_.sample(p, state.piece);
-        const double depth = options_.thickness - contact.distance;
-        const double length = contact.gradient.norm();
+        state.position = position(x, points_[k]);
+        const Obstacle::Contact contact = obstacle_.sample(state.position, state.piece);
+        state.distance = contact.distance;
+        state.gradient = contact.gradient;
+        const double depth = options_.thickness - contact.distance, length = contact.gradient.norm();
         state.normal_force = depth > 0.0 ? points_[k].area * pressure_at(depth) * length : 0.0;
         if (!(state.normal_force > 0.0)) {
             state.normal_force = 0.0;
@@ -94,8 +100,9 @@ void Contact::update_normal_force(const Positions& x) {
         state.normal = contact.gradient / length;
         if (!state.anchored) {
             state.anchored = true;
-            state.anchor_world = p;
-            state.anchor = obstacle_.to_local(p, state.piece);
+            state.spring = std::min(stick_stiffness_ * points_[k].area, largest_friction(state) / longest_stick);
+            state.anchor_world = state.position;
+            state.anchor = obstacle_.to_local(state.anchor_world, state.piece);
         }
     }
 }
@@ -114,9 +121,14 @@ void Contact::end_step(const Positions& x) {
         State& state = state_[k];
         if (!state.anchored) continue;
         const Eigen::Vector3d p = position(x, points_[k]), slip = slip_of(state, p);
-        const double length = slip.norm(), reach = largest_friction(state) / (stick_stiffness_ * points_[k].area);
+        const double length = slip.norm(), most = largest_friction(state);
+        const double force = std::min(state.spring * length, most);
+        // The spring is left alone while the normal force only wavers: following it would couple the two, and the drape
+        // would creep instead of coming to rest.
+        const double wanted = std::min(stick_stiffness_ * points_[k].area, most / longest_stick);
+        if (wanted > spring_tolerance * state.spring || spring_tolerance * wanted < state.spring) state.spring = wanted;
         // The normal part is dropped, so the anchor stays beside its point as the surface turns.
-        state.anchor_world = p - slip * (length > reach ? reach / length : 1.0);
+        state.anchor_world = p - (length > 0.0 && state.spring > 0.0 ? force / (state.spring * length) : 0.0) * slip;
         state.anchor = obstacle_.to_local(state.anchor_world, state.piece);
     }
 }
@@ -126,48 +138,47 @@ double Contact::energy(const Positions& x) const {
     for (size_t k = 0; k < points_.size(); ++k) {
         const State& state = state_[k];
         const Eigen::Vector3d p = position(x, points_[k]);
-        const double depth = options_.thickness - obstacle_.distance(p, state.piece);
-        if (depth > 0.0) energy += points_[k].area * pressure_at(depth) * depth / 3.0;
+        // A distance changes by no more than its point moves: most points need not be looked up.
+        const double clear = state.distance - options_.thickness;
+        if (clear < 0.0 || (p - state.position).squaredNorm() > clear * clear) {
+            const double depth = options_.thickness - obstacle_.distance(p, state.piece);
+            if (depth > 0.0) energy += points_[k].area * pressure_at(depth) * depth / 3.0;
+        }
         const double most = largest_friction(state);
         if (most > 0.0) {
-            const double length = slip_of(state, p).norm(), spring = stick_stiffness_ * points_[k].area;
+            const double length = slip_of(state, p).norm(), spring = state.spring;
             energy += spring * length < most ? 0.5 * spring * length * length : most * (length - 0.5 * most / spring);
         }
     }
     return energy;
 }
 
-void Contact::add_gradient(const Positions& x, Positions& gradient) const {
+void Contact::add_gradient(Positions& gradient) const {
     for (size_t k = 0; k < points_.size(); ++k) {
         const State& state = state_[k];
-        const Eigen::Vector3d p = position(x, points_[k]);
-        const Obstacle::Contact contact = obstacle_.sample(p, state.piece);
-        const double depth = options_.thickness - contact.distance;
-        if (depth > 0.0) scatter(points_[k], -points_[k].area * pressure_at(depth) * contact.gradient, gradient);
+        const double depth = options_.thickness - state.distance;
+        if (!(depth > 0.0)) continue;
+        Eigen::Vector3d local = -points_[k].area * pressure_at(depth) * state.gradient;
         const double most = largest_friction(state);
         if (most > 0.0) {
-            const Eigen::Vector3d slip = slip_of(state, p);
-            const double spring = stick_stiffness_ * points_[k].area;
-            scatter(points_[k], std::min(spring, most / slip.norm()) * slip, gradient);
+            const Eigen::Vector3d slip = slip_of(state, state.position);
+            local += std::min(state.spring, most / slip.norm()) * slip;
         }
+        scatter(points_[k], local, gradient);
     }
 }
 
-Eigen::Matrix3d Contact::hessian_block(const ContactPoint& point, const State& state, const Eigen::Vector3d& p) const {
-    Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
-    const Obstacle::Contact contact = obstacle_.sample(p, state.piece);
-    const double depth = options_.thickness - contact.distance;
-    if (depth > 0.0) {
-        const double slope = 2.0 * pressure_ * depth / (options_.thickness * options_.thickness);
-        block += point.area * slope * contact.gradient * contact.gradient.transpose();
-    }
+Eigen::Matrix3d Contact::hessian_block(const ContactPoint& point, const State& state) const {
+    const double slope =
+        2.0 * pressure_ * (options_.thickness - state.distance) / (options_.thickness * options_.thickness);
+    Eigen::Matrix3d block = point.area * slope * state.gradient * state.gradient.transpose();
     const double most = largest_friction(state);
     if (most > 0.0) {
         const Eigen::Matrix3d tangent = Eigen::Matrix3d::Identity() - state.normal * state.normal.transpose();
-        const Eigen::Vector3d slip = slip_of(state, p);
-        const double length = slip.norm(), spring = stick_stiffness_ * point.area;
-        if (spring * length < most) {
-            block += spring * tangent;
+        const Eigen::Vector3d slip = slip_of(state, state.position);
+        const double length = slip.norm();
+        if (state.spring * length < most) {
+            block += state.spring * tangent;
         } else {
             block += most / length * (tangent - slip * slip.transpose() / (length * length));
         }
@@ -175,10 +186,11 @@ Eigen::Matrix3d Contact::hessian_block(const ContactPoint& point, const State& s
     return block;
 }
 
-void Contact::add_hessian(const Positions& x, BlockMatrix& hessian) const {
+void Contact::add_hessian(BlockMatrix& hessian) const {
     for (size_t k = 0; k < points_.size(); ++k) {
         const ContactPoint& point = points_[k];
-        const Eigen::Matrix3d block = hessian_block(point, state_[k], position(x, point));
+        if (!(state_[k].distance < options_.thickness)) continue;
+        const Eigen::Matrix3d block = hessian_block(point, state_[k]);
         if (point.second < 0) {
             hessian.add(point.first, point.first, block);
         } else {

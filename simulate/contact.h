@@ -34,17 +34,19 @@ class Contact {
     Contact(const ContactOptions& options, double pressure, const std::vector<ContactPoint>& points,
             const Obstacle& obstacle);
 
-    /// Ties the points to the pieces near them; anchors move with their pieces.
+    /// Ties the points to the pieces near them; anchors move with their pieces. Call when the obstacle has moved.
     void begin_step(const Positions& x);
-    /// Takes normal forces and directions for friction from here.
-    void update_normal_force(const Positions& x);
+    /// Looks up distances at x, which `add_gradient` and `add_hessian` then refer to, and takes friction's normal
+    /// forces and directions from there.
+    void linearise(const Positions& x);
     /// Anchors of sliding points follow.
     void end_step(const Positions& x);
 
+    /// Friction's normal forces and directions stay those of the last `linearise`.
     double energy(const Positions& x) const;
-    void add_gradient(const Positions& x, Positions& gradient) const;
+    void add_gradient(Positions& gradient) const;
     /// Positive semidefinite: the distance's own curvature is left out.
-    void add_hessian(const Positions& x, BlockMatrix& hessian) const;
+    void add_hessian(BlockMatrix& hessian) const;
 
     /// The piece a vertex is tied to, and the one it starts from.
     int piece(int vertex) const { return state_[vertex].piece; }
@@ -53,8 +55,11 @@ class Contact {
   private:
     struct State {
         int piece = -1;
+        Eigen::Vector3d position, gradient;  // at the last linearise
+        double distance = 0.0;
         double normal_force = 0.0;  // [N]
         bool anchored = false;
+        double spring = 0.0;           // of sticking [N/m]
         Eigen::Vector3d anchor;        // in the piece's frame
         Eigen::Vector3d anchor_world;  // during this step
         Eigen::Vector3d normal;
@@ -63,7 +68,7 @@ class Contact {
     double pressure_at(double depth) const;
     Eigen::Vector3d slip_of(const State& state, const Eigen::Vector3d& p) const;
     double largest_friction(const State& state) const;
-    Eigen::Matrix3d hessian_block(const ContactPoint& point, const State& state, const Eigen::Vector3d& p) const;
+    Eigen::Matrix3d hessian_block(const ContactPoint& point, const State& state) const;
     void scatter(const ContactPoint& point, const Eigen::Vector3d& gradient, Positions& total) const;
 
     ContactOptions options_;

@@ -27,8 +27,6 @@ constexpr double pressure_length = 0.05;
 
 /// Range of the pseudo time step while the cloth settles [s]; the upper end is statics.
 constexpr double shortest_time_step = 1e-3, longest_time_step = 1e3;
-/// Relative residual below which Newton's method takes the true Hessian.
-constexpr double exact_hessian_below = 0.03;
 
 BlockMatrix hessian_pattern(const ClothMesh& mesh, const Elasticity& elasticity) {
     return BlockMatrix(mesh.vertex_count(), elasticity.pairs());
@@ -165,7 +163,7 @@ void Run::follow(const skin::Pose& from, const skin::Pose& to) {
         begin_step();
         const ImplicitStep::Target target{&carried_, &inertial_, h};
         for (int iteration = 0; iteration < scene_.schedule.path_iterations; ++iteration) {
-            const ImplicitStep::Iteration done = step_->iterate(target, HessianKind::projected, x_, report_);
+            const ImplicitStep::Iteration done = step_->iterate(target, x_, report_);
             if (done.largest_move < scene_.schedule.path_tolerance) break;
         }
         velocity_ = (x_ - carried_) / h;
@@ -175,11 +173,11 @@ void Run::follow(const skin::Pose& from, const skin::Pose& to) {
 
 void Run::settle() {
     // Pseudo-transient continuation: implicit Euler without memory of velocity, whose time step grows while Newton's
-    // steps are taken in full, up to statics. Close to rest the true Hessian converges quadratically.
+    // steps are taken in full, up to statics.
     double h = scene_.solver.time_step;
     double target_residual = scene_.solver.residual_tolerance;
+    begin_step();
     while (report_.newton_iterations < scene_.solver.max_iterations) {
-        begin_step();
         const double residual = relative_residual();
         if (!std::isfinite(residual)) return;
         if (residual <= target_residual) {
@@ -188,12 +186,8 @@ void Run::settle() {
         }
         const Positions start = x_;
         const ImplicitStep::Target target{&start, &start, h};
-        const HessianKind kind = residual < exact_hessian_below ? HessianKind::exact : HessianKind::projected;
-        const ImplicitStep::Iteration done = step_->iterate(target, kind, x_, report_);
+        const ImplicitStep::Iteration done = step_->iterate(target, x_, report_);
         end_step();
-        if (std::getenv("TOILE_TRACE"))
-            std::fprintf(stderr, "it %d h %.3g residual %.3g share %.3g move %.3g\n", report_.newton_iterations, h,
-                         residual, done.step_share, done.largest_move);
         if (done.halvings == 0) h = std::min(2.0 * h, longest_time_step);
         if (done.halvings > 1) h = std::max(0.5 * h, shortest_time_step);
     }
@@ -205,8 +199,7 @@ double Run::measure_speed() {
     Positions next = x_;
     const ImplicitStep::Target target{&start, &start, h};
     DrapeReport unreported;
-    begin_step();
-    step_->iterate(target, HessianKind::projected, next, unreported);
+    step_->iterate(target, next, unreported);
     return std::sqrt((next - start).rowwise().squaredNorm().maxCoeff()) / h;
 }
 
@@ -222,7 +215,6 @@ DrapeStatus Run::judge(const Certificate& certificate) const {
 DrapeResult Run::finish() {
     DrapeResult result;
     Certificate& certificate = result.certificate;
-    begin_step();
     certificate.residual_force = relative_residual();
     {
         const Stopwatch watch(report_.certificate_seconds);

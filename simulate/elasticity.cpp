@@ -85,13 +85,11 @@ void Elasticity::add_gradient(const Positions& x, Positions& gradient) const {
     }
 }
 
-void Elasticity::add_hessian(const Positions& x, HessianKind kind, BlockMatrix& hessian) const {
+void Elasticity::add_hessian(const Positions& x, BlockMatrix& hessian) const {
     for (int f = 0; f < mesh_.triangle_count(); ++f) {
         const auto t = mesh_.triangle.row(f);
         const TrianglePositions columns = corners(x, f);
-        const TriangleHessian local = kind == HessianKind::exact
-                                          ? membrane_hessian(membrane_[f], stiffness_, columns)
-                                          : membrane_projected_hessian(membrane_[f], stiffness_, columns);
+        const TriangleHessian local = membrane_projected_hessian(membrane_[f], stiffness_, columns);
         for (int i = 0; i < 3; ++i) {
             hessian.add(t[i], t[i], local.block<3, 3>(3 * i, 3 * i));
             const int j = (i + 1) % 3;

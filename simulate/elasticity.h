@@ -14,9 +14,6 @@
 
 namespace toile::simulate {
 
-/// Which Hessian of the membrane: the true one, or its positive semidefinite projection.
-enum class HessianKind { exact, projected };
-
 /// Membrane, bending and weight of one garment: energy, gradient and Hessian in the positions. Const and shared by
 /// threads.
 class Elasticity {
@@ -31,7 +28,9 @@ class Elasticity {
 
     double energy(const Positions& x) const;
     void add_gradient(const Positions& x, Positions& gradient) const;
-    void add_hessian(const Positions& x, HessianKind kind, BlockMatrix& hessian) const;
+    /// The projected Hessian, positive semidefinite. (On garments the true one was indefinite in two iterations of
+    /// three and saved none.)
+    void add_hessian(const Positions& x, BlockMatrix& hessian) const;
 
   private:
     TrianglePositions corners(const Positions& x, int triangle) const;

@@ -23,7 +23,6 @@ ImplicitStep::ImplicitStep(const ClothMesh& mesh, const Elasticity& elasticity, 
       contacts_(std::move(contacts)),
       damping_(damping),
       hessian_(pattern),
-      without_elasticity_(pattern),
       cholesky_(pattern),
       gradient_(mesh.vertex_count(), 3),
       direction_(mesh.vertex_count(), 3),
@@ -48,56 +47,45 @@ void ImplicitStep::gradient_of(const Target& target, const Positions& x) {
     gradient_.noalias() = mesh_.mass.asDiagonal() * ((x - *target.inertial) / (h * h));
     gradient_ += mesh_.mass.asDiagonal() * ((damping_ / h) * (x - *target.carried));
     elasticity_.add_gradient(x, gradient_);
-    for (Contact* contact : contacts_) contact->add_gradient(x, gradient_);
+    for (Contact* contact : contacts_) contact->add_gradient(gradient_);
     clear_pinned(gradient_);
-}
-
-double ImplicitStep::step_residual(const Target& target, const Positions& x) {
-    gradient_of(target, x);
-    return gradient_.norm();
 }
 
 double ImplicitStep::static_residual(const Positions& x) {
     gradient_.setZero();
     elasticity_.add_gradient(x, gradient_);
     for (Contact* contact : contacts_) {
-        contact->update_normal_force(x);
-        contact->add_gradient(x, gradient_);
+        contact->linearise(x);
+        contact->add_gradient(gradient_);
     }
     clear_pinned(gradient_);
     return gradient_.norm();
 }
 
-bool ImplicitStep::factor(const Positions& x, HessianKind kind, DrapeReport& report) {
+bool ImplicitStep::factor(const Positions& x, DrapeReport& report) {
     {
         const Stopwatch watch(report.assembly_seconds);
-        elasticity_.add_hessian(x, kind, hessian_);
+        elasticity_.add_hessian(x, hessian_);
         for (int v : pinned_) hessian_.fix(v);
     }
     const Stopwatch watch(report.factor_seconds);
     return cholesky_.factor(hessian_);
 }
 
-ImplicitStep::Iteration ImplicitStep::iterate(const Target& target, HessianKind kind, Positions& x,
-                                              DrapeReport& report) {
+ImplicitStep::Iteration ImplicitStep::iterate(const Target& target, Positions& x, DrapeReport& report) {
     constexpr Iteration failed{most_halvings, 0.0, 0.0};
     ++report.newton_iterations;
     const double inertia = 1.0 / (target.time_step * target.time_step) + damping_ / target.time_step;
     {
         const Stopwatch watch(report.contact_seconds);
-        for (Contact* contact : contacts_) contact->update_normal_force(x);
+        for (Contact* contact : contacts_) contact->linearise(x);
         hessian_.set_zero();
         gradient_of(target, x);
-        for (Contact* contact : contacts_) contact->add_hessian(x, hessian_);
+        for (Contact* contact : contacts_) contact->add_hessian(hessian_);
     }
     if (!gradient_.allFinite()) return failed;
     for (int v = 0; v < mesh_.vertex_count(); ++v) hessian_.add_identity(v, v, inertia * mesh_.mass[v]);
-    if (kind == HessianKind::exact) without_elasticity_ = hessian_;
-    bool definite = factor(x, kind, report);
-    if (!definite && kind == HessianKind::exact) {
-        hessian_ = without_elasticity_;
-        definite = factor(x, HessianKind::projected, report);
-    }
+    bool definite = factor(x, report);
     // Rounding can spoil a matrix that is nearly singular: a growing shift mends it.
     for (double shift = 1e-3 * inertia; !definite && shift < 1e12 * inertia; shift *= 10.0) {
         for (int v = 0; v < mesh_.vertex_count(); ++v) hessian_.add_identity(v, v, shift * mesh_.mass[v]);

@@ -32,18 +32,16 @@ class ImplicitStep {
         double largest_move = 0.0;  ///< [m]
     };
     /// One Newton iteration from x, in place.
-    Iteration iterate(const Target& target, HessianKind kind, Positions& x, DrapeReport& report);
+    Iteration iterate(const Target& target, Positions& x, DrapeReport& report);
 
     /// Net force on each vertex at rest, without inertia and damping, friction's normal forces taken at x. Zero on
     /// pinned ones. Returns its Euclidean norm [N].
     double static_residual(const Positions& x);
-    /// The gradient's norm of Φ itself [N].
-    double step_residual(const Target& target, const Positions& x);
 
   private:
     double energy(const Target& target, const Positions& x) const;
     void gradient_of(const Target& target, const Positions& x);
-    bool factor(const Positions& x, HessianKind kind, DrapeReport& report);
+    bool factor(const Positions& x, DrapeReport& report);
     void clear_pinned(Positions& rows) const;
 
     const ClothMesh& mesh_;
@@ -51,7 +49,7 @@ class ImplicitStep {
     const std::vector<int>& pinned_;
     std::vector<Contact*> contacts_;
     double damping_;
-    BlockMatrix hessian_, without_elasticity_;
+    BlockMatrix hessian_;
     SparseCholesky cholesky_;
     Positions gradient_, direction_, trial_;
     Eigen::VectorXd right_, solution_;

@@ -14,8 +14,8 @@ struct ContactOptions {
 
 /// The level set of the body.
 struct LevelSetOptions {
-    double voxel = 0.006;         ///< grid spacing [m], 0.001 to 0.02
-    double error_bound = 0.001;   ///< the level set is rebuilt before the moving surface is off by more than this [m]
+    double voxel = 0.006;        ///< grid spacing [m], 0.001 to 0.02
+    double error_bound = 0.001;  ///< the level set is rebuilt before the moving surface is off by more than this [m]
 };
 
 /// A horizontal plane the cloth rests on, normal +y.
