@@ -12,6 +12,7 @@
 #include "generate/dataset_structure.h"
 #include "generate/validate_sample.h"
 #include "skin/pose.h"
+#include "skin/pose_cluster.h"
 
 namespace toile::generate {
 namespace {
@@ -148,16 +149,40 @@ void check_ids(const std::vector<Pose>& pose, Lines& defect) {
     }
 }
 
+/// The first sample before `member[last]` in another split and nearly in its pose, or -1.
+int near_in_another_split(const std::vector<Pose>& pose, const std::vector<int>& member, size_t last, double angle) {
+    const Pose& one = pose[member[last]];
+    for (size_t k = 0; k < last; ++k) {
+        const Pose& other = pose[member[k]];
+        if (other.split != one.split && skin::largest_joint_rotation(other.rotation, one.rotation) < angle)
+            return member[k];
+    }
+    return -1;
+}
+
 void check_splits(const std::vector<Pose>& pose, double angle, Lines& defect) {
+    std::vector<int> slot;
+    std::vector<skin::Pose> rotation;
     for (size_t i = 0; i < pose.size(); ++i) {
-        for (size_t j = 0; j < i; ++j) {
-            if (pose[i].split == pose[j].split || pose[i].rotation.rows() == 0) continue;
-            if (!pose[i].rotation.allFinite() || !pose[j].rotation.allFinite()) continue;
-            if (skin::largest_joint_rotation(pose[j].rotation, pose[i].rotation) >= angle) continue;
-            defect.push_back("/samples/split[" + std::to_string(i) + "]: nearly the pose of sample " +
-                             std::to_string(j) + ", which is in another split");
+        if (pose[i].rotation.rows() == 0 || !pose[i].rotation.allFinite()) continue;
+        slot.push_back(static_cast<int>(i));
+        rotation.push_back(pose[i].rotation);
+    }
+    if (rotation.empty()) return;
+    // Two near poses are in one cluster, so pairs need to be looked for within clusters alone.
+    std::map<int, std::vector<int>> cluster;
+    const std::vector<int> leader = skin::cluster_poses(rotation, angle);
+    for (size_t k = 0; k < slot.size(); ++k) cluster[leader[k]].push_back(slot[k]);
+    std::map<int, int> twin;
+    for (const auto& [first, member] : cluster) {
+        for (size_t last = 1; last < member.size(); ++last) {
+            const int other = near_in_another_split(pose, member, last, angle);
+            if (other >= 0) twin.emplace(member[last], other);
         }
     }
+    for (const auto& [sample, other] : twin)
+        defect.push_back("/samples/split[" + std::to_string(sample) + "]: nearly the pose of sample " +
+                         std::to_string(other) + ", which is in another split");
 }
 
 void check_samples(const files::DatasetReader& reader, const ValidateOptions& options, Validation& result) {
