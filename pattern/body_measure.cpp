@@ -74,6 +74,29 @@ BodyParts split(const Body& body) {
             triangles_of(body, head, 0)};
 }
 
+/// Calls `look(point, normal)` for points of the surface within `reach` of `center`, closer together than `spacing`.
+template <typename Look>
+void sample_surface(const Body& body, const Positions& normal, const Eigen::RowVector3d& center, double reach,
+                    double spacing, const Look& look) {
+    for (int f = 0; f < body.triangle.rows(); ++f) {
+        const auto t = body.triangle.row(f);
+        double longest = 0.0;
+        for (int k = 0; k < 3; ++k)
+            longest = std::max(longest, (body.rest_position.row(t[k]) - body.rest_position.row(t[(k + 1) % 3])).norm());
+        if ((body.rest_position.row(t[0]) - center).norm() > reach + longest) continue;
+        const int n = std::clamp(static_cast<int>(std::ceil(longest / spacing)), 1, 40);
+        for (int i = 0; i <= n; ++i) {
+            for (int j = 0; i + j <= n; ++j) {
+                const double a = 1.0 * i / n, b = 1.0 * j / n, c = 1.0 - a - b;
+                const auto mean = [&](const Positions& at) {
+                    return Eigen::Vector3d(a * at.row(t[0]) + b * at.row(t[1]) + c * at.row(t[2]));
+                };
+                look(mean(body.rest_position), mean(normal).normalized());
+            }
+        }
+    }
+}
+
 /// Where the trunk's flank and the arm's underside meet: the point deepest in the notch among the surface that faces
 /// out of it, in the frontal planes around the shoulder joint; of these the lowest, as the folds at front and back
 /// hang lower than the hollow.
@@ -84,25 +107,28 @@ void find_notch(const Body& body, const Positions& normal, ArmMeasure& arm) {
     out.normalize();
     const double reach = 0.8 * (arm.elbow - arm.shoulder).norm();
     constexpr int planes = 7;
+    constexpr double thickness = 0.015;
     std::array<double, planes> depth;
     depth.fill(std::numeric_limits<double>::infinity());
     std::array<Eigen::Vector3d, planes> apex;
-    for (int v = 0; v < body.vertex_count(); ++v) {
-        const Eigen::Vector3d p = body.rest_position.row(v).transpose() - arm.shoulder;
-        const int plane = static_cast<int>(std::floor((p.z() + 0.0525) / 0.015));
-        if (plane < 0 || plane >= planes || p.norm() > reach) continue;
-        const double depth_here = p.dot(out);
-        if (depth_here < 0.0 || normal.row(v).dot(out) < 0.3 || depth_here >= depth[plane]) continue;
-        depth[plane] = depth_here;
-        apex[plane] = body.rest_position.row(v);
-    }
+    sample_surface(body, normal, arm.shoulder.transpose(), reach, thickness,
+                   [&](const Eigen::Vector3d& point, const Eigen::Vector3d& facing) {
+                       const Eigen::Vector3d p = point - arm.shoulder;
+                       const int plane = static_cast<int>(std::floor(p.z() / thickness + 0.5 * planes));
+                       if (plane < 0 || plane >= planes || p.norm() > reach || facing.dot(out) < 0.3) return;
+                       if (p.dot(out) < 0.0 || p.dot(out) >= depth[plane]) return;
+                       depth[plane] = p.dot(out);
+                       apex[plane] = point;
+                   });
     double lowest = -1.0;
     for (int plane = 0; plane < planes; ++plane) {
         if (!std::isfinite(depth[plane]) || depth[plane] <= lowest) continue;
         lowest = depth[plane];
         arm.notch = apex[plane];
     }
-    if (lowest < 0.0) throw Error("the T-shirt cannot be cut: no armpit was found below a shoulder joint");
+    if (lowest < 0.0)
+        throw Error("the T-shirt cannot be cut: no armpit was found below a shoulder joint", {},
+                    "the body's neutral pose needs arms off the trunk (an A or a T pose)");
     arm.notch_direction = out;
 }
 
