@@ -1,4 +1,8 @@
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <cstring>
+#include <string>
 
 #include "app/commands.h"
 #include "app/guard.h"
@@ -38,9 +42,14 @@ int parse(int argc, char** argv, toile::app::Work& chosen) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    return toile::app::guarded([&] {
+    // Beyond a limit on file sizes writes then fail with a reason, as they do on a full disk.
+    std::signal(SIGXFSZ, SIG_IGN);
+    const int status = toile::app::guarded([&] {
         toile::app::Work work;
-        const int status = parse(argc, argv, work);
-        return status >= 0 ? status : work();
+        const int parsed = parse(argc, argv, work);
+        return parsed >= 0 ? parsed : work();
     });
+    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return status;
+    toile::app::print_error(std::string("cannot write the output: ") + std::strerror(errno), "stdout", {});
+    return status == toile::app::all_done ? toile::app::input_at_fault : status;
 }

@@ -42,7 +42,7 @@ void bind_contact(ConfigTable& root, SceneConfig& config) {
     if (auto table = root.table("pins", "vertices held where they start")) {
         config.pins.emplace();
         table->integers("vertex", config.pins->vertex, {.lower = 0, .doc = "vertex indices"});
-        table->choice<std::string>("corners", config.pins->corners, {{"", ""}, {"top", "top"}},
+        table->choice<std::string>("corners", config.pins->corners, {{"none", ""}, {"top", "top"}},
                                    "top: the two upper corners of the pattern");
     }
 }

@@ -1,0 +1,104 @@
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <fstream>
+
+#include "files/dataset_file.h"
+#include "tests/app/cli_runner.h"
+
+namespace toile::app {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// Two poses of a coarse T-shirt: everything the pipeline does, at the smallest size.
+const char* const scene = R"([scene]
+name = "small"
+[body]
+[contact]
+[bending]
+[poses]
+count = 2
+[garment]
+source = "tshirt"
+edge_length = 0.05
+[image]
+size = "auto"
+max_error = 0.002
+)";
+
+class CliDataset : public CliTest {
+  protected:
+    void SetUp() override {
+        CliTest::SetUp();
+        write("scene.toml", scene);
+    }
+    std::string bytes(const std::string& name) const {
+        std::ifstream stream(path(name), std::ios::binary);
+        return {std::istreambuf_iterator<char>(stream), {}};
+    }
+};
+
+TEST_F(CliDataset, RunWritesADatasetThatValidatesAndPictures) {
+    const Outcome outcome = run("run scene.toml --out d --set output.look=[1]");
+    ASSERT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+    EXPECT_THAT(outcome.out, HasSubstr("2 of 2 accepted"));
+    EXPECT_THAT(files(), ElementsAre("d", "d/config.toml", "d/dataset.h5", "d/dataset.timing.h5", "d/displacements.png",
+                                     "d/pose_0001.glb", "scene.toml"));
+    const files::DatasetReader dataset(path("d/dataset.h5"));
+    EXPECT_EQ(dataset.sample_count(), 2);
+    EXPECT_GT(dataset.read(0).certificate.seconds, 0.0);
+    EXPECT_LE((*dataset.header().resampling_error)[0], 0.002);
+    EXPECT_EQ(run("validate d/dataset.h5").status, 0);
+    EXPECT_EQ(run("config d/config.toml").status, 0) << "the copy of the configuration works from where it lies";
+
+    expect_refused("run scene.toml --out d", "holds a data set already");
+    std::string damaged = bytes("d/dataset.h5");
+    damaged[damaged.size() / 2] ^= 0x55;
+    write("damaged.h5", damaged);
+    expect_refused("validate damaged.h5", "damaged.h5");
+    write("cut.h5", damaged.substr(0, damaged.size() / 3));
+    expect_refused("validate cut.h5", "cut.h5");
+}
+
+TEST_F(CliDataset, JobsDoNotChangeAByte) {
+    ASSERT_EQ(run("generate scene.toml --out one --jobs 1").status, 0);
+    ASSERT_EQ(run("generate scene.toml --out two --jobs 2").status, 0);
+    EXPECT_EQ(bytes("one/dataset.h5"), bytes("two/dataset.h5"));
+}
+
+TEST_F(CliDataset, ASampleDependsOnItsNumberAlone) {
+    ASSERT_EQ(run("generate scene.toml --out both --set image.size=32").status, 0);
+    ASSERT_EQ(
+        run("generate scene.toml --out second --set image.size=32 --set poses.number=[1] --set split.test=0").status,
+        0);
+    const files::SampleRecord a = files::DatasetReader(path("both/dataset.h5")).read(1);
+    const files::SampleRecord b = files::DatasetReader(path("second/dataset.h5")).read(0);
+    EXPECT_EQ(a.id, b.id);
+    EXPECT_EQ(a.pose, b.pose);
+    EXPECT_EQ(a.cloth, b.cloth);
+    EXPECT_EQ(a.image, b.image);
+}
+
+TEST_F(CliDataset, APoseThatFailsIsKeptAndTheRunGoesOn) {
+    const Outcome outcome = run("run scene.toml --out d --set gate.max_stretch=1.02 --set material.warp_stiffness=60");
+    if (outcome.status == 2) GTEST_SKIP() << "the neutral drape itself is beyond this gate";
+    EXPECT_EQ(outcome.status, 3) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("not accepted"));
+    EXPECT_THAT(outcome.out, HasSubstr("overstretched"));
+    EXPECT_EQ(files::DatasetReader(path("d/dataset.h5")).sample_count(), 2);
+}
+
+TEST_F(CliDataset, AFullDiskLeavesNothing) {
+    expect_refused("generate scene.toml --out d", "", "ulimit -f 40;");
+}
+
+TEST_F(CliDataset, AnInterruptLeavesNothing) {
+    const Outcome outcome = run("generate scene.toml --out d --set poses.count=200", "timeout --signal=INT 12");
+    EXPECT_THAT(outcome.err, HasSubstr("toile: interrupted"));
+    EXPECT_THAT(files(), ElementsAre("scene.toml"));
+}
+
+}  // namespace
+}  // namespace toile::app
