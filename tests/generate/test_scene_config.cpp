@@ -81,7 +81,7 @@ TEST_F(SceneConfigTest, ReadsLimitsAndRoles) {
     EXPECT_THAT(error(std::string(body_scene) + "[poses.limits]\nleft_wing = { raise = [0, 1] }\n"),
                 HasSubstr("scene.toml:7"));
     EXPECT_THAT(error(std::string(body_scene) + "[poses.limits]\nhead = { raise = [1, 0] }\n"),
-                HasSubstr("poses.limits.head.raise is [1, 0]"));
+                HasSubstr("poses.limits.head.raise is [ 1, 0 ]"));
     EXPECT_THAT(error(std::string(body_scene) + "[poses.limits]\nhead = { lift = [0, 1] }\n"),
                 HasSubstr("unknown key poses.limits.head.lift"));
 }
