@@ -54,9 +54,9 @@ ImplicitColumn::ImplicitColumn(const ColumnFrame& frame, std::vector<Section> se
       slope_(monotone_slopes(section_)),
       cap_(caps),
       squareness_(squareness) {
-    const Eigen::Vector3d along = frame.along.normalized();
-    const Eigen::Vector3d front = (frame.front - along * along.dot(frame.front)).normalized();
-    to_local_ << front.cross(along).transpose(), front.transpose(), along.transpose();
+    along_ = frame.along.normalized();
+    front_ = (frame.front - along_ * along_.dot(frame.front)).normalized();
+    side_ = front_.cross(along_);
     reach_ = std::max(caps.start, caps.end);
     for (const Section& section : section_) {
         const double depth = std::max(section.front, section.back) + std::abs(section.shift_front);
@@ -64,10 +64,23 @@ ImplicitColumn::ImplicitColumn(const ColumnFrame& frame, std::vector<Section> se
     }
 }
 
+// Called millions of times for a body: by components, because Eigen's expressions are slow without optimisation.
+ImplicitColumn::Local ImplicitColumn::to_local(const Eigen::Vector3d& point) const {
+    const double* p = point.data();
+    const double* o = origin_.data();
+    const double x = p[0] - o[0], y = p[1] - o[1], z = p[2] - o[2];
+    const auto along = [&](const Eigen::Vector3d& axis) {
+        const double* a = axis.data();
+        return a[0] * x + a[1] * y + a[2] * z;
+    };
+    return {along(side_), along(front_), along(along_)};
+}
+
 double ImplicitColumn::distance_bound(const Eigen::Vector3d& point) const {
-    const Eigen::Vector3d local = to_local_ * (point - origin_);
-    const double beyond = local[2] - std::clamp(local[2], section_.front().at, section_.back().at);
-    return std::sqrt(local[0] * local[0] + local[1] * local[1] + beyond * beyond) - reach_;
+    const Local local = to_local(point);
+    const double first = section_.front().at, last = section_.back().at;
+    const double beyond = local.along < first ? first - local.along : local.along > last ? local.along - last : 0.0;
+    return std::sqrt(local.side * local.side + local.front * local.front + beyond * beyond) - reach_;
 }
 
 Section ImplicitColumn::section_at(double along) const {
@@ -85,11 +98,11 @@ Section ImplicitColumn::section_at(double along) const {
 }
 
 double ImplicitColumn::distance(const Eigen::Vector3d& point) const {
-    const Eigen::Vector3d local = to_local_ * (point - origin_);
-    const double along = std::clamp(local[2], section_.front().at, section_.back().at);
+    const Local local = to_local(point);
+    const double along = std::clamp(local.along, section_.front().at, section_.back().at);
     const Section section = section_at(along);
-    const double side = local[0] - section.shift_side, front = local[1] - section.shift_front;
-    const double beyond = local[2] - along;
+    const double side = local.side - section.shift_side, front = local.front - section.shift_front;
+    const double beyond = local.along - along;
     const double depth = front > 0.0 ? section.front : section.back, cap = beyond > 0.0 ? cap_.end : cap_.start;
     // k is 1 on the surface; k - 1 over the length of its gradient is the distance to first order. The taper is left
     // out of the gradient: far from the axis it would distort more than it corrects.
@@ -97,15 +110,18 @@ double ImplicitColumn::distance(const Eigen::Vector3d& point) const {
     const Across across = squareness_ == 2.0 ? ellipse(x, y) : superellipse(x, y, squareness_);
     const double k = std::hypot(across.value, z);
     if (k < 1e-3) return -std::min(section.side, depth);
-    const Eigen::Vector3d gradient(across.value * across.by_x / section.side, across.value * across.by_y / depth,
-                                   z / cap);
-    return (k - 1.0) * k / std::max(gradient.norm(), 1e-6);
+    const double by_side = across.value * across.by_x / section.side, by_front = across.value * across.by_y / depth;
+    const double by_along = z / cap;
+    const double slope = std::sqrt(by_side * by_side + by_front * by_front + by_along * by_along) / k;
+    return (k - 1.0) / std::max(slope, 1e-6);
 }
 
 ImplicitColumn ImplicitColumn::mirrored() const {
     ImplicitColumn mirror = *this;
     mirror.origin_[0] = -origin_[0];
-    mirror.to_local_.col(0) = -to_local_.col(0);
+    mirror.side_[0] = -side_[0];
+    mirror.front_[0] = -front_[0];
+    mirror.along_[0] = -along_[0];
     return mirror;
 }
 

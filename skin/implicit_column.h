@@ -47,7 +47,12 @@ class ImplicitColumn {
   private:
     Section section_at(double along) const;
 
-    Eigen::Matrix3d to_local_;  // rows: side, front, along
+    struct Local {
+        double side, front, along;
+    };
+    Local to_local(const Eigen::Vector3d& point) const;
+
+    Eigen::Vector3d side_, front_, along_;  // unit vectors
     Eigen::Vector3d origin_;
     std::vector<Section> section_;
     std::vector<Section> slope_;  // at the sections

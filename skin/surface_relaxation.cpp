@@ -31,8 +31,7 @@ Eigen::Vector3d pulled_to_zero(const Distance& distance, const Eigen::Vector3d& 
     return point + std::clamp(move, -limit, limit) * normal;
 }
 
-void move_to_neighbours_mean(const Distance& distance, Surface& surface) {
-    const Topology topology = build_topology(surface.triangle);
+void move_to_neighbours_mean(const Distance& distance, const Topology& topology, Surface& surface) {
     Positions sum = Positions::Zero(surface.position.rows(), 3);
     Eigen::VectorXi count = Eigen::VectorXi::Zero(surface.position.rows());
     for (Eigen::Index e = 0; e < topology.edge.rows(); ++e)
@@ -99,8 +98,7 @@ bool flip(int first, int second, int a, int b, Neighbours& neighbours, Surface& 
 }
 
 /// One pass over the edges; edges of triangles that have already changed in it wait for the next round.
-void flip_to_delaunay(Surface& surface) {
-    const Topology topology = build_topology(surface.triangle);
+void flip_to_delaunay(const Topology& topology, Surface& surface) {
     Neighbours neighbours(topology, surface.position.rows());
     std::vector<char> changed(static_cast<size_t>(surface.triangle.rows()), 0);
     for (Eigen::Index e = 0; e < topology.edge.rows(); ++e) {
@@ -115,8 +113,9 @@ void flip_to_delaunay(Surface& surface) {
 
 void relax_surface(const Distance& distance, int rounds, Surface& surface) {
     for (int round = 0; round < rounds; ++round) {
-        move_to_neighbours_mean(distance, surface);
-        flip_to_delaunay(surface);
+        const Topology topology = build_topology(surface.triangle);
+        move_to_neighbours_mean(distance, topology, surface);
+        flip_to_delaunay(topology, surface);
     }
 }
 
