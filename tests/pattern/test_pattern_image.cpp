@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <set>
 
 #include "cloth/error.h"
+#include "pattern/garment_file.h"
 #include "pattern/pattern_image.h"
 #include "pattern/rasterizer.h"
 #include "tests/pattern/two_panels.h"
@@ -192,6 +194,35 @@ TEST_P(PatternImageTest, WhatIsNotFiniteGivesNaN) {
     Positions bad = Positions::Zero(cloth.mesh.vertex_count(), 3);
     bad(3, 1) = std::numeric_limits<double>::infinity();
     for (const float value : image_of(32).image(bad)) ASSERT_TRUE(std::isnan(value));
+}
+
+double pattern_area(const ClothMesh& mesh) {
+    double area = 0;
+    for (int f = 0; f < mesh.triangle_count(); ++f) {
+        const Eigen::RowVector2d a = mesh.pattern_position.row(mesh.pattern_triangle(f, 0));
+        const Eigen::RowVector2d b = mesh.pattern_position.row(mesh.pattern_triangle(f, 1)) - a;
+        const Eigen::RowVector2d c = mesh.pattern_position.row(mesh.pattern_triangle(f, 2)) - a;
+        area += 0.5 * std::abs(b.x() * c.y() - b.y() * c.x());
+    }
+    return area;
+}
+
+TEST(PatternImage, RealGarmentsReadBack) {
+    const std::string folder = TOILE_SHARED_DATA "/garments/";
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here";
+    for (const char* name : {"tshirt_female.obj", "tshirt_male.obj", "skirt_female.obj"}) {
+        const Garment garment = read_garment(folder + name, {}, nullptr);
+        for (const ImageLayout layout : {ImageLayout::layers, ImageLayout::atlas}) {
+            const PatternImage image(garment.mesh, garment.triangle_panel, options_of(192, layout));
+            const ResamplingError error = error_of(image, fold_probe(garment.mesh.rest_position));
+            EXPECT_LT(error.largest, 2e-4) << name;
+            EXPECT_LT(error.root_mean_square(), 3e-5) << name;
+            double covered = 0;
+            for (const uint8_t m : image.mask()) covered += m;
+            covered *= image.layout().pixel * image.layout().pixel;
+            EXPECT_NEAR(covered, pattern_area(garment.mesh), 0.01 * covered) << name;
+        }
+    }
 }
 
 TEST(PatternImage, RefusesSizesOutOfRange) {
