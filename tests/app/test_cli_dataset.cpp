@@ -65,7 +65,7 @@ TEST_F(CliDataset, RunWritesADatasetThatValidatesAndPictures) {
 TEST_F(CliDataset, JobsDoNotChangeAByte) {
     ASSERT_EQ(run("generate scene.toml --out one --jobs 1").status, 0);
     ASSERT_EQ(run("generate scene.toml --out two --jobs 2").status, 0);
-    EXPECT_EQ(bytes("one/dataset.h5"), bytes("two/dataset.h5"));
+    EXPECT_TRUE(bytes("one/dataset.h5") == bytes("two/dataset.h5"));
 }
 
 TEST_F(CliDataset, ASampleDependsOnItsNumberAlone) {
@@ -82,8 +82,8 @@ TEST_F(CliDataset, ASampleDependsOnItsNumberAlone) {
 }
 
 TEST_F(CliDataset, APoseThatFailsIsKeptAndTheRunGoesOn) {
-    const Outcome outcome = run("run scene.toml --out d --set gate.max_stretch=1.02 --set material.warp_stiffness=60");
-    if (outcome.status == 2) GTEST_SKIP() << "the neutral drape itself is beyond this gate";
+    // the neutral drape stretches the coarse shirt by 3 %, raised arms by 10 %
+    const Outcome outcome = run("run scene.toml --out d --set gate.max_stretch=1.06");
     EXPECT_EQ(outcome.status, 3) << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr("not accepted"));
     EXPECT_THAT(outcome.out, HasSubstr("overstretched"));

@@ -202,7 +202,7 @@ TEST_F(DatasetFileTest, TheOrderOfWritingDoesNotChangeTheBytes) {
     for (const char* folder : {"forward", "shuffled"}) std::filesystem::create_directory(folder_ / folder);
     write("forward/dataset.h5", header, {0, 1, 2, 3, 4});
     write("shuffled/dataset.h5", header, {3, 0, 4, 2, 1});
-    EXPECT_EQ(bytes_of(path("forward/dataset.h5")), bytes_of(path("shuffled/dataset.h5")));
+    EXPECT_TRUE(bytes_of(path("forward/dataset.h5")) == bytes_of(path("shuffled/dataset.h5")));
 }
 
 TEST_F(DatasetFileTest, WallTimeIsReadThroughALinkAndChangesNoByteOfTheDataset) {
@@ -217,7 +217,7 @@ TEST_F(DatasetFileTest, WallTimeIsReadThroughALinkAndChangesNoByteOfTheDataset) 
         writer.write(slot, sample);
     }
     writer.finish(std::array<double, 2>{2e-4, 1e-5});
-    EXPECT_EQ(bytes_of(path("a/dataset.h5")), bytes_of(path("b/dataset.h5")));
+    EXPECT_TRUE(bytes_of(path("a/dataset.h5")) == bytes_of(path("b/dataset.h5")));
     EXPECT_EQ(DatasetReader(path("a/dataset.h5")).read(1).certificate.seconds, 1.5);
     EXPECT_EQ(DatasetReader(path("b/dataset.h5")).read(1).certificate.seconds, 3.0);
     EXPECT_EQ(Hdf5File::open(path("b/dataset.h5")).read<double>("/certificate/seconds").value,
