@@ -3,6 +3,7 @@
 #include <tiny_gltf.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -111,7 +112,8 @@ AccessorData read_accessor(const tinygltf::Model& model, int index, int componen
     Elements run{nullptr, 0};
     if (accessor.bufferView >= 0 || !accessor.sparse.isSparse)
         run = elements(model, accessor.bufferView, accessor.byteOffset, size * per_element, accessor.count, true, path);
-    AccessorData data{components, static_cast<int>(accessor.count), {}};
+    AccessorData data{components, static_cast<int>(accessor.count), {}, 0};
+    if (accessor.normalized && size < 4) data.step = 1 / (std::pow(2.0, 8.0 * static_cast<double>(size)) - 1);
     data.value.assign(accessor.count * per_element, 0.0);
     for (size_t i = 0; run.start && i < accessor.count; ++i)
         for (size_t c = 0; c < per_element; ++c)

@@ -14,6 +14,7 @@ struct AccessorData {
     int components = 0;  ///< numbers in an element
     int count = 0;       ///< elements
     std::vector<double> value;
+    double step = 0;  ///< between neighbouring values of scaled integers, 0 for other numbers
 };
 
 /// Reads accessor `index` with its strides, offsets and sparse replacements. Throws Error naming `path` where it has

@@ -3,6 +3,7 @@
 #include <tiny_gltf.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <exception>
@@ -171,6 +172,7 @@ struct PrimitiveReader {
                 throw Error("mesh '" + mesh.name + "' has weights without joints", path);
             joint.push_back(read_accessor(model, found->second, 4, path));
             weight.push_back(read_accessor(model, primitive.attributes.at("WEIGHTS_" + std::to_string(set)), 4, path));
+            mesh.weight_step = std::max(mesh.weight_step, weight.back().step);
             if (joint.back().count != mesh.position.rows() || weight.back().count != mesh.position.rows())
                 throw Error("mesh '" + mesh.name + "' has not one set of weights for each vertex", path);
         }

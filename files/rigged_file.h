@@ -34,6 +34,7 @@ struct RiggedMesh {
     std::vector<int> influence_offset;    ///< `[N + 1]`
     std::vector<int> influence_bone;      ///< `[W]` index into `bone`
     std::vector<double> influence_value;  ///< `[W]`
+    double weight_step = 0;               ///< the step of weights stored as integers; 0 for floating point
 };
 
 struct RiggedFile {

@@ -9,6 +9,7 @@
 
 #include "cloth/error.h"
 #include "cloth/topology.h"
+#include "skin/hole_filling.h"
 
 namespace toile::skin {
 namespace {
@@ -74,7 +75,9 @@ struct SurfaceBuilder {
         }
         if (by_joint.empty())
             throw Error(name + " hangs on no joint", where, "give every vertex a weight (unskinned parts left out)");
-        if (!(std::abs(sum - 1) <= sum_tolerance))
+        // Integers round each weight by up to half a step.
+        const double rounded = 0.5 * mesh.weight_step * (mesh.influence_offset[v + 1] - mesh.influence_offset[v]);
+        if (!(std::abs(sum - 1) <= std::max(sum_tolerance, 1.001 * rounded)))
             throw Error("the weights of " + name + " sum to " + std::to_string(sum), where, "normalise the weights");
         Influences influences(by_joint.begin(), by_joint.end());
         for (auto& entry : influences) entry.second /= sum;
@@ -168,7 +171,14 @@ double signed_volume(const JoinedSurface& surface) {
     return volume;
 }
 
-void remark_on_edges(JoinedSurface& surface) {
+/// A body must have an inside: what covers no clothing (mouths, eyes, a neck without a head) is often left open.
+void close_holes(JoinedSurface& surface) {
+    const long before = surface.triangle.rows();
+    FilledHoles closed = fill_holes(surface.triangle, surface.position);
+    surface.triangle = std::move(closed.triangle);
+    if (closed.filled > 0)
+        surface.remarks.push_back(std::to_string(closed.filled) + " holes of the surface were closed with " +
+                                  std::to_string(surface.triangle.rows() - before) + " triangles");
     const Topology topology = build_topology(surface.triangle);
     const long open = (topology.edge_triangle.col(1).array() < 0).count();
     if (open > 0)
@@ -203,7 +213,7 @@ JoinedSurface join_surface(const files::RiggedFile& file, const std::vector<int>
         out.triangle.col(1).swap(out.triangle.col(2));
         out.remarks.push_back("the surface was inside out and has been turned");
     }
-    remark_on_edges(out);
+    close_holes(out);
     return out;
 }
 

@@ -19,8 +19,9 @@ struct JoinedSurface {
 };
 
 /// Joins the meshes, welds vertices of the same position and influences, drops vertices without a triangle, turns the
-/// surface outside out if it is inside out. Throws Error naming `where` and the vertex for weights that are negative,
-/// missing or do not sum to one (within 0.002, then normalised).
+/// surface outside out if it is inside out, and closes its holes. Throws Error naming `where` and the vertex for
+/// weights that are negative, missing or do not sum to one (within 0.002, or what stored integers round off; then
+/// normalised).
 JoinedSurface join_surface(const files::RiggedFile& file, const std::vector<int>& mesh, const BindSkeleton& skeleton,
                            const std::string& where);
 

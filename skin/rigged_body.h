@@ -24,7 +24,8 @@ struct RiggedBody {
 /// not moved: the origin stays where the file's bind pose has it.
 ///
 /// The bind pose comes from the skin's offset matrices alone. All skinned meshes are joined; vertices that the file
-/// repeats along texture seams (same position, same influences) are welded; all influences are kept. Bind transforms
+/// repeats along texture seams (same position, same influences) are welded; all influences are kept; holes of the
+/// surface are closed with triangles that come after the file's own. Bind transforms
 /// lose their scale, so the body follows G_j = G_parent (B_parent^-1 B_j) R(θ_j) with rigid B_j.
 ///
 /// Throws Error naming the file, and vertex or joint, for weights that are negative, missing or do not sum to one
