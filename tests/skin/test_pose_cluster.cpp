@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 #include <random>
+#include <utility>
 
 #include "cloth/error.h"
 #include "skin/pose_cluster.h"
@@ -11,19 +12,22 @@
 namespace toile::skin {
 namespace {
 
-/// Single linkage by its definition: every pair, again and again.
+/// Single linkage by its definition: labels spread along near pairs until none changes.
 std::vector<int> by_definition(const std::vector<Pose>& pose, double angle) {
     const int count = static_cast<int>(pose.size());
+    std::vector<std::pair<int, int>> near;
+    for (int a = 0; a < count; ++a)
+        for (int b = 0; b < a; ++b)
+            if (largest_joint_rotation(pose[a], pose[b]) < angle) near.emplace_back(a, b);
     std::vector<int> label(count);
     std::iota(label.begin(), label.end(), 0);
     for (bool changed = true; changed;) {
         changed = false;
-        for (int a = 0; a < count; ++a)
-            for (int b = 0; b < count; ++b)
-                if (label[b] < label[a] && largest_joint_rotation(pose[a], pose[b]) < angle) {
-                    label[a] = label[b];
-                    changed = true;
-                }
+        for (const auto& [a, b] : near) {
+            const int least = std::min(label[a], label[b]);
+            changed = changed || label[a] != label[b];
+            label[a] = label[b] = least;
+        }
     }
     return label;
 }
