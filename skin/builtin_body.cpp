@@ -13,7 +13,7 @@ namespace toile::skin {
 namespace {
 
 constexpr double shape_height = 1.75;  // of BuiltinShape [m]
-constexpr int relaxation_rounds = 8;
+constexpr int relaxation_rounds = 3;
 
 void check_range(const char* key, double value, double lower, double upper) {
     if (value >= lower && value <= upper) return;
