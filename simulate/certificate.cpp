@@ -58,16 +58,17 @@ StretchRange stretch_range(const Topology& topology, const Eigen::VectorXd& rest
     return range;
 }
 
-double body_penetration(const Triangles& body_triangle, const Positions& posed_body, const Positions& cloth) {
+double body_penetration(const Triangles& body_triangle, const Positions& posed_body, const Positions& cloth,
+                        const Eigen::VectorXd& level_set_distance) {
     const skin::SurfaceQuery query(body_triangle, posed_body);
     double deepest = 0.0;
     for (int v = 0; v < cloth.rows(); ++v) {
         const Eigen::Vector3d point = cloth.row(v).transpose();
-        const skin::SurfaceQuery::Nearest nearest = query.nearest(point);
-        // The nearest feature's normal is right on a simple surface. Where a limb folds into the trunk it can be wrong
-        // either way, so what it calls inside is confirmed by the winding number.
-        if (nearest.signed_distance >= 0.0 || -nearest.signed_distance <= deepest) continue;
-        if (query.winding_number(point) > 0.5) deepest = -nearest.signed_distance;
+        // The nearest feature's normal is right on a simple surface. Where a limb folds into the trunk, a buried
+        // surface may be the nearest and its normal wrong either way: the level set, which joins the two, raises
+        // suspicion, and the winding number decides.
+        const double depth = std::max(-query.nearest(point).signed_distance, -level_set_distance[v]);
+        if (depth > deepest && query.winding_number(point) > 0.5) deepest = depth;
     }
     return deepest;
 }

@@ -41,8 +41,10 @@ struct StretchRange {
 };
 StretchRange stretch_range(const Topology& topology, const Eigen::VectorXd& rest_length, const Positions& position);
 
-/// How deep the deepest cloth vertex lies below the body's mesh [m], 0 where none does. Against the triangles, not the
-/// level set.
-double body_penetration(const Triangles& body_triangle, const Positions& posed_body, const Positions& cloth);
+/// How deep the deepest cloth vertex lies below the body's mesh [m], 0 where none does. Against the triangles; the
+/// level set's distances `[V]` tell only which vertices to look at twice, and how deep one lies that two parts of the
+/// body enclose.
+double body_penetration(const Triangles& body_triangle, const Positions& posed_body, const Positions& cloth,
+                        const Eigen::VectorXd& level_set_distance);
 
 }  // namespace toile::simulate

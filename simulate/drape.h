@@ -48,6 +48,8 @@ struct DrapeResult {
     DrapeReport report;
 };
 
+struct DrapeModel;
+
 /// Drapes one garment on one body, pose after pose. Construction does what all poses share (stencils, sparsity,
 /// ordering); `drape` is const and may run from several threads, its result depending on its arguments alone.
 class Draper {
@@ -61,10 +63,8 @@ class Draper {
     /// From the neutral drape along interpolated poses to `pose`, and on until it rests.
     DrapeResult drape(const Positions& neutral_drape, const skin::Pose& pose) const;
 
-    struct Impl;
-
   private:
-    std::unique_ptr<Impl> impl_;
+    std::unique_ptr<const DrapeModel> model_;
 };
 
 }  // namespace toile::simulate

@@ -1,0 +1,51 @@
+#include "simulate/drape_model.h"
+
+#include <algorithm>
+#include <string>
+
+#include "cloth/error.h"
+#include "simulate/certificate.h"
+
+namespace toile::simulate {
+namespace {
+
+/// How far from the garment's neutral drape the body is kept for collision [m]: a sleeve overhead must find head and
+/// neck.
+constexpr double reach = 0.2;
+/// The contact pressure where cloth touches a surface is the membrane's stiffness over this length [m]: a garment
+/// stretched by a tenth around a limb then stays clear of it.
+constexpr double pressure_length = 0.05;
+
+/// The scene, if it can be draped.
+const DrapeScene& checked(const DrapeScene& scene) {
+    check_cloth_mesh(scene.mesh, "garment");
+    if (scene.mesh.mass.size() != scene.mesh.vertex_count() || !(scene.mesh.mass.minCoeff() > 0.0))
+        throw Error("every vertex of a garment to be draped needs a mass above 0");
+    const bool touches = scene.body || scene.table || scene.sphere;
+    if (touches && !scene.contact) throw Error("a scene with a body, a table or a sphere needs contact");
+    for (int v : scene.pinned)
+        if (v < 0 || v >= scene.mesh.vertex_count())
+            throw Error("pinned vertex " + std::to_string(v) + " does not exist");
+    return scene;
+}
+
+}  // namespace
+
+DrapeModel::DrapeModel(const DrapeScene& from)
+    : scene(checked(from)),
+      topology(build_topology(scene.mesh.triangle)),
+      rest_length(edge_rest_lengths(scene.mesh, topology)),
+      elasticity(scene.mesh, topology, scene.membrane, scene.bending, scene.solver.gravity),
+      pattern(scene.mesh.vertex_count(), elasticity.pairs()) {
+    elasticity.bind(pattern);
+    if (scene.contact) {
+        points = contact_points(scene.mesh, topology, pattern);
+        pressure = std::max(scene.membrane.warp_stiffness, scene.membrane.weft_stiffness) / pressure_length;
+    }
+    if (scene.body) surface = reachable_surface(*scene.body, scene.mesh.rest_position, reach);
+    // Weightless scenes are measured against the same mass under standard gravity.
+    const double gravity = scene.solver.gravity.norm();
+    weight = scene.mesh.mass.sum() * (gravity > 0.0 ? gravity : 9.81);
+}
+
+}  // namespace toile::simulate

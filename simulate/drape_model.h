@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "cloth/block_matrix.h"
+#include "cloth/topology.h"
+#include "simulate/collision_body.h"
+#include "simulate/contact.h"
+#include "simulate/drape.h"
+#include "simulate/elasticity.h"
+
+namespace toile::simulate {
+
+/// What all drapes of one scene share: built once, then read by every thread.
+struct DrapeModel {
+    DrapeScene scene;
+    Topology topology;
+    Eigen::VectorXd rest_length;  ///< `[E]` [m]
+    Elasticity elasticity;
+    BlockMatrix pattern;               ///< the Hessian's sparsity
+    std::vector<ContactPoint> points;  ///< empty without contact
+    ReachableSurface surface;          ///< empty without a body
+    double pressure = 0.0;             ///< of contact where cloth touches [Pa]
+    double weight = 0.0;               ///< of the garment [N]
+
+    /// Throws Error for a mesh that cannot be draped, missing masses, contact that is wanted but absent, unknown pinned
+    /// vertices.
+    explicit DrapeModel(const DrapeScene& from);
+    DrapeModel(const DrapeModel&) = delete;  // its parts refer to its scene
+    DrapeModel& operator=(const DrapeModel&) = delete;
+};
+
+}  // namespace toile::simulate

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "simulate/drape.h"
+#include "simulate/drape_model.h"
+#include "simulate/implicit_step.h"
+#include "simulate/obstacle.h"
+
+namespace toile::simulate {
+
+/// One drape under way: state, solids and workspace.
+class DrapeRun {
+  public:
+    explicit DrapeRun(const DrapeModel& shared);
+
+    /// Sets out from x, the body in its neutral pose.
+    void start(const Positions& x, const skin::Pose& neutral);
+    /// Follows the body along interpolated poses, carried by it, with inertia.
+    void follow(const skin::Pose& from, const skin::Pose& to);
+    /// Comes to rest where the body is now.
+    void settle();
+    /// Certificate, status and report.
+    DrapeResult finish();
+
+  private:
+    void add_contact(const Obstacle& obstacle);
+    void begin_step();
+    void end_step();
+    double relative_residual();
+    void carry_with_body();
+    double measure_speed();
+    double penetration() const;
+    DrapeStatus judge(const Certificate& certificate) const;
+
+    const DrapeModel& shared_;
+    const DrapeScene& scene_;
+    std::unique_ptr<CollisionBody> body_;
+    std::vector<std::unique_ptr<Obstacle>> solids_;
+    std::vector<std::unique_ptr<Contact>> contacts_;
+    std::unique_ptr<ImplicitStep> step_;
+    Positions x_, carried_, inertial_, velocity_;
+    DrapeReport report_;
+};
+
+}  // namespace toile::simulate

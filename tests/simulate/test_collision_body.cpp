@@ -1,0 +1,96 @@
+#include <gtest/gtest.h>
+
+#include "cloth/topology.h"
+#include "simulate/collision_body.h"
+#include "skin/surface_query.h"
+#include "tests/simulate/pillar_body.h"
+
+namespace toile::simulate {
+namespace {
+
+const LevelSetOptions options{0.006, 0.001};
+
+ReachableSurface whole(const skin::Body& body) {
+    return reachable_surface(body, body.rest_position, 0.2);
+}
+
+TEST(ReachableSurface, KeepsAClosedBodyWholeAndCapsACutOne) {
+    const skin::Body body = test::pillar_body();
+    const ReachableSurface all = whole(body);
+    EXPECT_EQ(all.triangle.rows(), body.triangle.rows());
+    EXPECT_TRUE(all.cap.empty());
+
+    Positions cloth(1, 3);
+    cloth << 0.0, 1.0, 0.0;
+    const ReachableSurface top = reachable_surface(body, cloth, 0.2);
+    EXPECT_LT(top.share, 0.8);
+    ASSERT_EQ(top.cap.size(), 1u);
+    EXPECT_TRUE(boundary_loops(top.triangle).empty()) << "the cut is closed";
+    EXPECT_EQ(top.positions(body.rest_position).rows(), body.vertex_count() + 1);
+}
+
+TEST(ReachableSurface, ClosesABodyThatIsOpen) {
+    skin::Body body = test::pillar_body();
+    const Triangles open = body.triangle.topRows(body.triangle.rows() - 1);
+    body.triangle = open;
+    EXPECT_TRUE(boundary_loops(whole(body).triangle).empty());
+}
+
+TEST(CollisionBody, DistanceIsToThePosedMesh) {
+    const skin::Body body = test::pillar_body();
+    const ReachableSurface surface = whole(body);
+    CollisionBody collision(body, skin::SkinningMethod::linear, surface, options, 0.002);
+    DrapeReport report;
+    collision.move_to(test::bent(0.0), true, report);
+    collision.move_to(test::bent(0.6), true, report);
+    const skin::SurfaceQuery query(body.triangle, collision.position());
+    for (int v = 0; v < body.vertex_count(); v += 37) {
+        const Eigen::Vector3d point = collision.position().row(v).transpose() + Eigen::Vector3d(0.001, 0.002, -0.001);
+        const double expected = query.nearest(point).signed_distance;
+        EXPECT_NEAR(collision.distance(point, v), expected, 0.0006) << "vertex " << v;
+    }
+    EXPECT_EQ(report.level_sets, 2);
+}
+
+TEST(CollisionBody, ACarriedLevelSetStaysWithinItsBound) {
+    const skin::Body body = test::pillar_body();
+    const ReachableSurface surface = whole(body);
+    CollisionBody collision(body, skin::SkinningMethod::linear, surface, options, 0.002);
+    DrapeReport report;
+    collision.move_to(test::bent(0.0), true, report);
+    std::vector<int> piece(static_cast<size_t>(body.vertex_count()));
+    for (int k = 1; k <= 10; ++k) {
+        for (int v = 0; v < body.vertex_count(); ++v)
+            piece[v] = collision.piece_near(collision.position().row(v).transpose(), v);
+        collision.move_to(test::bent(0.05 * k), false, report);
+        for (int v = 0; v < body.vertex_count(); v += 29) {
+            const Eigen::Vector3d on_surface = collision.position().row(v).transpose();
+            // The bound itself and twice the coarser path grid's own smoothing.
+            EXPECT_NEAR(collision.distance(on_surface, piece[v]), 0.0, options.error_bound + 0.002) << k << ": " << v;
+        }
+    }
+    EXPECT_GT(report.level_sets, 1);
+    EXPECT_LT(report.level_sets, 11) << "some steps are carried";
+}
+
+TEST(CollisionBody, AnchorsMoveWithTheSurface) {
+    const skin::Body body = test::pillar_body();
+    const ReachableSurface surface = whole(body);
+    CollisionBody collision(body, skin::SkinningMethod::linear, surface, options, 0.002);
+    DrapeReport report;
+    collision.move_to(test::bent(0.0), true, report);
+    int top = 0;
+    body.rest_position.col(1).maxCoeff(&top);
+    const Eigen::Vector3d start = body.rest_position.row(top).transpose() + Eigen::Vector3d(0, 0.003, 0);
+    const Eigen::Vector3d local = collision.to_local(start, top);
+    EXPECT_LT((collision.to_world(local, top) - start).norm(), 1e-12);
+    collision.move_to(test::bent(0.5), true, report);
+    // The top follows the upper joint rigidly.
+    const Eigen::Vector3d pivot(0, 0.5, 0);
+    const Eigen::Vector3d expected = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()) * (start - pivot) + pivot;
+    EXPECT_LT((collision.to_world(local, top) - expected).norm(), 1e-9);
+    EXPECT_LT((collision.carry(start, top) - expected).norm(), 1e-9);
+}
+
+}  // namespace
+}  // namespace toile::simulate

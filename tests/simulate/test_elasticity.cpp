@@ -1,0 +1,88 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+
+#include "simulate/elasticity.h"
+#include "tests/simulate/cloth_square.h"
+#include "tests/support/derivative_checker.h"
+
+namespace toile::simulate {
+namespace {
+
+struct Fixture {
+    ClothMesh mesh = test::cloth_square(3, 0.06, 0.0);
+    Topology topology = build_topology(mesh.triangle);
+    Positions x = test::crumpled(mesh.rest_position, 0.002);
+};
+
+Eigen::MatrixXd dense(const BlockMatrix& matrix) {
+    Eigen::MatrixXd full(matrix.size(), matrix.size());
+    Eigen::VectorXd column;
+    for (int k = 0; k < matrix.size(); ++k) {
+        matrix.multiply(Eigen::VectorXd::Unit(matrix.size(), k), column);
+        full.col(k) = column;
+    }
+    return full;
+}
+
+TEST(Elasticity, GradientIsTheEnergysDerivative) {
+    const Fixture f;
+    for (const bool bends : {false, true}) {
+        const auto bending = bends ? std::optional(BendingOptions{0.01}) : std::nullopt;
+        const Elasticity elasticity(f.mesh, f.topology, {}, bending, {0.3, -9.81, 0.1});
+        Positions gradient = Positions::Zero(f.x.rows(), 3);
+        elasticity.add_gradient(f.x, gradient);
+        const auto energy = [&](const Eigen::VectorXd& at) { return elasticity.energy(test::rows(at)); };
+        const auto check = test::check_gradient(energy, test::flat(gradient), test::flat(f.x), 0.02, 1e-6);
+        EXPECT_TRUE(check.passed) << check.message;
+    }
+}
+
+TEST(Elasticity, HessianIsTheGradientsDerivativeInTension) {
+    // Where nothing is compressed the projected Hessian is the true one.
+    Fixture f;
+    f.x = 1.3 * test::crumpled(f.mesh.rest_position, 0.0005);
+    Elasticity elasticity(f.mesh, f.topology, {}, BendingOptions{0.01}, {0, -9.81, 0});
+    BlockMatrix hessian(f.mesh.vertex_count(), elasticity.pairs());
+    elasticity.bind(hessian);
+    elasticity.add_hessian(f.x, hessian);
+    const auto gradient = [&](const Eigen::VectorXd& at) -> Eigen::VectorXd {
+        Positions g = Positions::Zero(f.x.rows(), 3);
+        elasticity.add_gradient(test::rows(at), g);
+        return test::flat(g);
+    };
+    const auto check = test::check_jacobian(gradient, dense(hessian), test::flat(f.x), 0.02, 1e-6);
+    EXPECT_TRUE(check.passed) << check.message;
+}
+
+TEST(Elasticity, HessianIsPositiveSemidefiniteInCompression) {
+    Fixture f;
+    f.x = 0.7 * test::crumpled(f.mesh.rest_position, 0.002);
+    Elasticity elasticity(f.mesh, f.topology, {}, BendingOptions{}, {0, -9.81, 0});
+    BlockMatrix hessian(f.mesh.vertex_count(), elasticity.pairs());
+    elasticity.bind(hessian);
+    elasticity.add_hessian(f.x, hessian);
+    const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense(hessian)).eigenvalues();
+    EXPECT_GT(values.minCoeff(), -1e-9 * values.maxCoeff());
+}
+
+TEST(Elasticity, WithoutBendingThereAreNoHinges) {
+    const Fixture f;
+    const Elasticity with(f.mesh, f.topology, {}, BendingOptions{}, {0, 0, 0}),
+        without(f.mesh, f.topology, {}, {}, {0, 0, 0});
+    const BlockMatrix wide(f.mesh.vertex_count(), with.pairs()), narrow(f.mesh.vertex_count(), without.pairs());
+    EXPECT_LT(narrow.value().size(), wide.value().size());
+    EXPECT_LT(without.energy(f.x), with.energy(f.x));
+}
+
+TEST(Elasticity, RestHasNoForceButWeight) {
+    const Fixture f;
+    const Elasticity elasticity(f.mesh, f.topology, {}, BendingOptions{}, {0, -9.81, 0});
+    Positions gradient = Positions::Zero(f.x.rows(), 3);
+    elasticity.add_gradient(f.mesh.rest_position, gradient);
+    EXPECT_NEAR(gradient.col(1).sum(), 9.81 * f.mesh.mass.sum(), 1e-12);
+    EXPECT_LT(gradient.col(0).norm() + gradient.col(2).norm(), 1e-9);
+}
+
+}  // namespace
+}  // namespace toile::simulate
