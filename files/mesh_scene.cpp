@@ -6,12 +6,14 @@
 #include <cctype>
 #include <cerrno>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <exception>
 #include <filesystem>
 #include <fstream>
 
 #include "cloth/error.h"
+#include "files/trial_run.h"
 
 namespace toile::files {
 void check_readable(const std::string& path) {
@@ -41,6 +43,9 @@ std::string one_line(std::string text) {
 
 const aiScene* open_scene(Assimp::Importer& importer, const std::string& path, unsigned post_processing) {
     check_readable(path);
+    // assimp's assertions are on in Debian's build, and some damaged files send it round in circles.
+    const auto megabytes = static_cast<int>(std::min<std::uintmax_t>(std::filesystem::file_size(path) >> 20, 10'000));
+    trial_run(path, 10 + 2 * megabytes, [&] { importer.ReadFile(path, post_processing); });
     const aiScene* scene = nullptr;
     std::string reason;
     try {
