@@ -135,12 +135,12 @@ TEST_F(LevelSetOfSphere, IsClampedWithoutGradientOutsideTheBand) {
 
 TEST_F(LevelSetOfSphere, NeverExceedsAWideBand) {
     const double wide = 0.05;
-    const LevelSet wide_set(sphere.triangle, sphere.position, voxel, wide);
+    const LevelSet wide_set(sphere.triangle, sphere.position, 2.0 * voxel, wide);
     const LevelSet::Sampler sampler(wide_set);
     for (int i = 0; i < 2000; ++i) {
         const double r = 0.0001 * i;
         const double expected = std::clamp(r - radius, -wide, wide);
-        EXPECT_NEAR(sampler.distance(center + r * direction()), expected, 2e-3);
+        EXPECT_NEAR(sampler.distance(center + r * direction()), expected, 3e-3);
         EXPECT_LE(std::abs(sampler.distance(center + r * direction())), wide);
     }
 }
@@ -152,9 +152,9 @@ TEST(LevelSet, HoldsTheTrianglesDistancesAtTheVoxels) {
     const LevelSet::Sampler sampler(level_set);
     const SurfaceQuery query(sphere.triangle, sphere.position);
     double worst = 0.0, worst_beyond = 0.0;
-    for (int i = -30; i <= 30; i += 2)
-        for (int j = 95; j <= 155; j += 2)
-            for (int k = -30; k <= 30; k += 2) {
+    for (int i = -30; i <= 30; i += 3)
+        for (int j = 95; j <= 155; j += 3)
+            for (int k = -30; k <= 30; k += 3) {
                 const Eigen::Vector3d voxel_center = Eigen::Vector3d(i, j, k) * voxel;
                 const double expected = query.nearest(voxel_center).signed_distance;
                 if (std::abs(expected) > 3.0 * voxel) continue;
@@ -192,12 +192,12 @@ TEST(LevelSet, OverlappingSurfacesGiveTheUnionOfTheirInsides) {
 }
 
 TEST(LevelSet, GivesTheSameBytesFromTwoThreadsAtOnce) {
-    const Surface sphere = make_sphere({0.1, 0.2, 0.3}, 0.2, 60);
+    const Surface sphere = make_sphere({0.1, 0.2, 0.3}, 0.12, 30);
     const auto sample_all = [&] {
         const LevelSet level_set(sphere.triangle, sphere.position, 0.006, 0.018);
         const LevelSet::Sampler sampler(level_set);
         std::mt19937 random(11);
-        std::uniform_real_distribution<double> uniform(-0.25, 0.25);
+        std::uniform_real_distribution<double> uniform(-0.15, 0.15);
         std::vector<double> samples;
         for (int i = 0; i < 20000; ++i) {
             const Eigen::Vector3d offset(uniform(random), uniform(random), uniform(random));
