@@ -67,7 +67,8 @@ double body_penetration(const Triangles& body_triangle, const Positions& posed_b
         // The nearest feature's normal is right on a simple surface. Where a limb folds into the trunk, a buried
         // surface may be the nearest and its normal wrong either way: the level set, which joins the two, raises
         // suspicion, and the winding number decides.
-        const double depth = std::max(-query.nearest(point).signed_distance, -level_set_distance[v]);
+        const double suspected = level_set_distance.size() > 0 ? -level_set_distance[v] : 0.0;
+        const double depth = std::max(-query.nearest(point).signed_distance, suspected);
         if (depth > deepest && query.winding_number(point) > 0.5) deepest = depth;
     }
     return deepest;

@@ -45,6 +45,6 @@ StretchRange stretch_range(const Topology& topology, const Eigen::VectorXd& rest
 /// level set's distances `[V]` tell only which vertices to look at twice, and how deep one lies that two parts of the
 /// body enclose.
 double body_penetration(const Triangles& body_triangle, const Positions& posed_body, const Positions& cloth,
-                        const Eigen::VectorXd& level_set_distance);
+                        const Eigen::VectorXd& level_set_distance = {});
 
 }  // namespace toile::simulate
