@@ -134,10 +134,14 @@ DressedScene dress(Scene scene) {
     dressed.scene = std::move(scene);
     dressed.draper = make_draper(dressed.scene);
     dressed.neutral = dressed.draper->drape_neutral();
+    const std::string reason(simulate::status_reason(dressed.neutral.status));
+    if (dressed.neutral.status == simulate::DrapeStatus::not_finite)
+        throw Error("the garment cannot be draped in the neutral pose: " + reason, dressed.scene.config.file,
+                    "check the material, and that the garment fits the body");
     if (dressed.neutral.status != simulate::DrapeStatus::accepted)
-        throw Error("the garment finds no rest in the neutral pose: " +
-                        std::string(simulate::status_reason(dressed.neutral.status)),
-                    dressed.scene.config.file, "look at it: toile simulate CONFIG --out neutral.glb");
+        dressed.scene.remarks.push_back(
+            "the drape in the neutral pose, where all others start, is itself not accepted: " + reason +
+            "; toile simulate shows it and its certificate");
     dressed.mesh = dressed.scene.garment.mesh;
     dressed.mesh.rest_position = dressed.neutral.position;
     if (dressed.scene.body) dressed.embedding = pattern::embed(dressed.mesh, *dressed.scene.body);

@@ -42,8 +42,8 @@ struct DressedScene {
     std::optional<pattern::Embedding> embedding;  ///< where there is a body
 };
 
-/// Drapes the garment in the neutral pose and shrink-wraps it to the body. Throws Error where the neutral drape is not
-/// accepted: no sample could be.
+/// Drapes the garment in the neutral pose and shrink-wraps it to the body. A neutral drape that is not accepted is a
+/// remark, as samples are judged on their own; one that is not finite is an Error.
 DressedScene dress(Scene scene);
 
 }  // namespace toile::generate
