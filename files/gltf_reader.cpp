@@ -22,6 +22,11 @@ bool skip_image(tinygltf::Image*, int, std::string*, std::string*, int, int, con
     return true;
 }
 
+/// An index as the file has it, which may be any number.
+std::string whole(double value) {
+    return std::abs(value) < 1e15 ? std::to_string(std::llround(value)) : std::to_string(value);
+}
+
 tinygltf::Model load_model(const std::string& path) {
     check_readable(path);
     std::ifstream stream(path, std::ios::binary);
@@ -119,9 +124,7 @@ struct PrimitiveReader {
         const AccessorData data = read_accessor(model, primitive.indices, 1, path);
         for (const double value : data.value) {
             if (!(value >= 0 && value < vertices))
-                throw Error("a face refers to vertex " + std::to_string(static_cast<long long>(value)) + " of " +
-                                std::to_string(vertices),
-                            path);
+                throw Error("a face refers to vertex " + whole(value) + " of " + std::to_string(vertices), path);
             corner.push_back(static_cast<int>(value));
         }
         return corner;
@@ -189,8 +192,7 @@ struct PrimitiveReader {
         const std::string name = "vertex " + std::to_string(v) + " of mesh '" + mesh.name + "'";
         if (!std::isfinite(weight)) throw Error("a weight of " + name + " is not finite", path);
         if (!(joint >= 0 && joint < static_cast<double>(mesh.bone.size())))
-            throw Error(name + " hangs on joint " + std::to_string(static_cast<long long>(joint)) + " of a skin of " +
-                            std::to_string(mesh.bone.size()),
+            throw Error(name + " hangs on joint " + whole(joint) + " of a skin of " + std::to_string(mesh.bone.size()),
                         path);
         mesh.influence_bone.push_back(static_cast<int>(joint));
         mesh.influence_value.push_back(weight);

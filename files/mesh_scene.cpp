@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <exception>
 #include <filesystem>
 #include <fstream>
 
@@ -43,19 +42,18 @@ std::string one_line(std::string text) {
 
 const aiScene* open_scene(Assimp::Importer& importer, const std::string& path, unsigned post_processing) {
     check_readable(path);
-    // assimp's assertions are on in Debian's build, and some damaged files send it round in circles.
+    // assimp's assertions are on in Debian's build, and some damaged files send it round in circles or free memory
+    // twice.
     const auto megabytes = static_cast<int>(std::min<std::uintmax_t>(std::filesystem::file_size(path) >> 20, 10'000));
-    trial_run(path, 10 + 2 * megabytes, [&] { importer.ReadFile(path, post_processing); });
-    const aiScene* scene = nullptr;
-    std::string reason;
-    try {
-        scene = importer.ReadFile(path, post_processing);
-        reason = importer.GetErrorString();
-    } catch (const std::exception& error) {  // a damaged file reaches assimp's allocations
-        reason = error.what();
-    }
-    if (!scene || !scene->mRootNode)
-        throw Error("cannot read a mesh from the file: " + one_line(reason.empty() ? "unknown format" : reason), path);
+    const std::string complaint = trial_run(path, 10 + 2 * megabytes, [&]() -> std::string {
+        const aiScene* scene = importer.ReadFile(path, post_processing);
+        const std::string reason = importer.GetErrorString();
+        const bool usable = scene && scene->mRootNode;
+        importer.FreeScene();
+        return usable ? "" : reason.empty() ? "unknown format" : reason;
+    });
+    const aiScene* scene = complaint.empty() ? importer.ReadFile(path, post_processing) : nullptr;
+    if (!scene) throw Error("cannot read a mesh from the file: " + one_line(complaint), path);
     return scene;
 }
 

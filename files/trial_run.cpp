@@ -5,15 +5,18 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
+#include <exception>
 
 #include "cloth/error.h"
 
 namespace toile::files {
 namespace {
 
-[[noreturn]] void run_child(int cpu_seconds, const std::function<void()>& read) {
+void limit_child(int cpu_seconds) {
     for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGXCPU}) std::signal(signal, SIG_DFL);
     const rlimit no_core{0, 0};
     ::setrlimit(RLIMIT_CORE, &no_core);
@@ -24,27 +27,55 @@ namespace {
     ::setrlimit(RLIMIT_AS, &memory);
 #endif
     const int nowhere = ::open("/dev/null", O_WRONLY);
-    if (nowhere >= 0) {
-        ::dup2(nowhere, STDOUT_FILENO);
-        ::dup2(nowhere, STDERR_FILENO);
-    }
+    if (nowhere < 0) return;
+    ::dup2(nowhere, STDOUT_FILENO);
+    ::dup2(nowhere, STDERR_FILENO);
+}
+
+[[noreturn]] void run_child(int cpu_seconds, int answer, const std::function<std::string()>& read) {
+    limit_child(cpu_seconds);
+    std::string complaint;
     try {
-        read();
-    } catch (...) {
+        complaint = read();
+    } catch (const std::exception& error) {
+        complaint = error.what();
     }
-    ::_exit(0);
+    // Short enough for a pipe to hold whole.
+    complaint.resize(std::min<size_t>(complaint.size(), 1000));
+    const bool sent = ::write(answer, complaint.data(), complaint.size()) == static_cast<ssize_t>(complaint.size());
+    ::_exit(sent ? 0 : 1);
+}
+
+std::string received(int answer) {
+    std::string text;
+    std::array<char, 1024> block;
+    while (true) {
+        const ssize_t size = ::read(answer, block.data(), block.size());
+        if (size < 0 && errno == EINTR) continue;
+        if (size <= 0) break;
+        text.append(block.data(), static_cast<size_t>(size));
+    }
+    return text;
 }
 
 }  // namespace
 
-void trial_run(const std::string& path, int cpu_seconds, const std::function<void()>& read) {
+std::string trial_run(const std::string& path, int cpu_seconds, const std::function<std::string()>& read) {
+    std::array<int, 2> channel;
+    if (::pipe2(channel.data(), O_CLOEXEC) != 0) throw Error("there is no room for a pipe to read the file", path);
     const pid_t child = ::fork();
-    if (child < 0) return;  // no process to spare: the reader has to do without its net
-    if (child == 0) run_child(cpu_seconds, read);
+    if (child == 0) run_child(cpu_seconds, channel[1], read);
+    ::close(channel[1]);
+    if (child < 0) {
+        ::close(channel[0]);
+        throw Error("there is no room for a process to read the file", path);
+    }
+    const std::string complaint = received(channel[0]);
+    ::close(channel[0]);
     int status = 0;
-    while (::waitpid(child, &status, 0) < 0)
-        if (errno != EINTR) return;
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
+    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return complaint;
     const bool endless = WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL);
     throw Error(endless ? "the file is damaged: reading it does not come to an end"
                         : "the file is damaged: its reader broke down over it",

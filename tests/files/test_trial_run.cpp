@@ -13,7 +13,7 @@
 namespace toile::files {
 namespace {
 
-void expect_refused(const std::string& word, const std::function<void()>& read) {
+void expect_refused(const std::string& word, const std::function<std::string()>& read) {
     try {
         trial_run("a.fbx", 1, read);
         ADD_FAILURE() << word;
@@ -25,15 +25,20 @@ void expect_refused(const std::string& word, const std::function<void()>& read) 
 
 TEST(TrialRun, LetsOrdinaryEndsPass) {
     int calls = 0;
-    EXPECT_NO_THROW(trial_run("a.fbx", 5, [&] { ++calls; }));
-    EXPECT_NO_THROW(trial_run("a.fbx", 5, [] { throw std::runtime_error("unreadable"); }));
+    const auto count = [&] {
+        ++calls;
+        return std::string();
+    };
+    EXPECT_EQ(trial_run("a.fbx", 5, count), "");
     EXPECT_EQ(calls, 0);  // it happened elsewhere
+    EXPECT_EQ(trial_run("a.fbx", 5, [] { return std::string("line 3"); }), "line 3");
+    EXPECT_EQ(trial_run("a.fbx", 5, []() -> std::string { throw std::runtime_error("unreadable"); }), "unreadable");
 }
 
 TEST(TrialRun, CatchesAbortsAndEndlessLoops) {
-    expect_refused("broke down", [] { std::abort(); });
-    expect_refused("broke down", [] { ::_exit(7); });
-    expect_refused("does not come to an end", [] {
+    expect_refused("broke down", []() -> std::string { std::abort(); });
+    expect_refused("broke down", []() -> std::string { ::_exit(7); });
+    expect_refused("does not come to an end", []() -> std::string {
         std::atomic<unsigned> turns{0};
         while (true) ++turns;
     });
