@@ -30,9 +30,10 @@ void print_summary(const generate::GenerateSummary& s) {
     say("  samples          {} of {} accepted, {} vertices, {} triangles each", s.accepted, s.samples, s.vertices,
         s.triangles);
     print_failures(s);
-    say("  worst accepted   penetration {:.2f} mm, stretch {:.3f}, residual force {:.1e} of the weight",
-        1e3 * s.worst_penetration, s.worst_stretch, s.worst_residual);
-    if (s.image_width > 0)
+    if (s.accepted > 0)
+        say("  worst accepted   penetration {:.2f} mm, stretch {:.3f}, residual force {:.1e} of the weight",
+            1e3 * s.worst_penetration, s.worst_stretch, s.worst_residual);
+    if (s.image_width > 0 && s.accepted > 0)
         say("  images           {} x {} pixels, {} channels; read back within {:.3f} mm (root mean square {:.3f} mm)",
             s.image_width, s.image_height, s.image_channels, 1e3 * s.image_error_max, 1e3 * s.image_error_rms);
     say("  time             {:.1f} s in all, {:.2f} s a drape", s.seconds, s.mean_drape_seconds);
