@@ -12,6 +12,9 @@ namespace {
 constexpr double largest_move = 0.03;
 constexpr double sufficient_decrease = 1e-4;
 constexpr int most_halvings = 12;
+/// A step may be lengthened up to this many times Newton's: the projected Hessian is too stiff along a fold that is
+/// forming, and an energy costs a tenth of a factorisation.
+constexpr double longest_share = 16.0;
 
 }  // namespace
 
@@ -72,6 +75,19 @@ bool ImplicitStep::factor(const Positions& x, DrapeReport& report) {
     return cholesky_.factor(hessian_);
 }
 
+double ImplicitStep::lengthen(const Target& target, const Positions& x, double share, double longest,
+                              double energy_there) {
+    const double cap = contacts_.empty() ? longest_share : std::min(longest_share, largest_move / longest);
+    while (2.0 * share <= cap) {
+        trial_ = x + 2.0 * share * direction_;
+        const double further = energy(target, trial_);
+        if (!(further < energy_there)) break;
+        energy_there = further;
+        share *= 2.0;
+    }
+    return share;
+}
+
 ImplicitStep::Iteration ImplicitStep::iterate(const Target& target, Positions& x, DrapeReport& report) {
     constexpr Iteration failed{most_halvings, 0.0, 0.0};
     ++report.newton_iterations;
@@ -104,8 +120,10 @@ ImplicitStep::Iteration ImplicitStep::iterate(const Target& target, Positions& x
     for (int halving = 0; halving < most_halvings; ++halving, share *= 0.5) {
         trial_ = x + share * direction_;
         // Near the minimum rounding hides the decrease: a change within rounding of Φ counts as one.
-        if (energy(target, trial_) <= before + sufficient_decrease * share * slope + 1e-14 * std::abs(before)) {
-            x = trial_;
+        const double after = energy(target, trial_);
+        if (after <= before + sufficient_decrease * share * slope + 1e-14 * std::abs(before)) {
+            if (halving == 0) share = lengthen(target, x, share, longest, after);
+            x += share * direction_;
             return {halving, share, share * longest};
         }
         ++report.line_search_halvings;

@@ -42,6 +42,7 @@ class ImplicitStep {
     double energy(const Target& target, const Positions& x) const;
     void gradient_of(const Target& target, const Positions& x);
     bool factor(const Positions& x, DrapeReport& report);
+    double lengthen(const Target& target, const Positions& x, double share, double longest, double energy_there);
     void clear_pinned(Positions& rows) const;
 
     const ClothMesh& mesh_;

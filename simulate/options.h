@@ -40,7 +40,7 @@ struct SolverOptions {
     double time_step = 0.033;                     ///< while the cloth moves [s], 0.0001 to 0.2
     double damping = 2.0;                         ///< mass-proportional, relative to the moving body [1/s], 0 to 1000
     Eigen::Vector3d gravity = {0.0, -9.81, 0.0};  ///< [m/s^2]
-    double residual_tolerance = 3e-4;             ///< residual force over the garment's weight, 1e-9 to 0.1
+    double residual_tolerance = 5e-4;             ///< residual force over the garment's weight, 1e-9 to 0.1
     double speed_tolerance = 0.001;               ///< largest vertex speed at rest [m/s]
     int max_iterations = 2000;                    ///< Newton iterations for one drape
 };
