@@ -24,7 +24,8 @@ struct SparseCholesky::Impl {
         common.nmethods = 1;
         common.method[0].ordering = CHOLMOD_METIS;
         common.postorder = 1;
-        // Wider supernodes than CHOLMOD's default: a third less time for a cloth's Hessian with hinges (3,000 vertices).
+        // Wider supernodes than CHOLMOD's default: a third less time for a cloth's Hessian with hinges (3,000
+        // vertices).
         common.nrelax[0] = 12;
         common.nrelax[1] = 48;
         common.nrelax[2] = 96;

@@ -15,11 +15,13 @@ OutputFolder::OutputFolder(const std::string& path) : path_(path) {
     std::error_code failure;
     const fs::file_status status = fs::status(path, failure);
     if (fs::exists(status) && !fs::is_directory(status)) throw Error("a file is in the way of the output folder", path);
-    if (fs::exists(fs::path(path) / "dataset.h5"))
+    if (fs::exists(fs::path(path) / "dataset.h5", failure))
         throw Error("this folder holds a data set already", path,
                     "choose another --out, or remove " + file("dataset.h5"));
     if (!fs::exists(status)) {
-        made_ = fs::create_directories(path, failure);
+        for (fs::path above = fs::absolute(path); !fs::exists(above, failure); above = above.parent_path())
+            made_.push_back(above.string());
+        fs::create_directories(path, failure);
         if (failure) throw Error("the output folder cannot be made: " + failure.message(), path);
     }
     if (::access(path.c_str(), W_OK | X_OK) != 0)
@@ -28,7 +30,7 @@ OutputFolder::OutputFolder(const std::string& path) : path_(path) {
 
 OutputFolder::~OutputFolder() {
     std::error_code ignored;
-    if (made_) fs::remove(path_, ignored);  // refuses unless it is empty
+    for (const std::string& folder : made_) fs::remove(folder, ignored);  // refuses unless it is empty
 }
 
 ScratchFile::~ScratchFile() {

@@ -2,12 +2,13 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace toile::generate {
 
-/// The folder of a data set. Made on construction if it is not there (its parent must be); removed again on destruction
-/// if it was made here and is still empty. Throws Error where it cannot be made or written to, a file is in the way, or
-/// it holds a data set already.
+/// The folder of a data set. Made on construction if it is not there, with those above it; removed again on destruction
+/// as far as it was made here and is still empty. Throws Error where it cannot be made or written to, a file is in the
+/// way, or it holds a data set already.
 class OutputFolder {
   public:
     explicit OutputFolder(const std::string& path);
@@ -19,7 +20,7 @@ class OutputFolder {
 
   private:
     std::string path_;
-    bool made_ = false;
+    std::vector<std::string> made_;  ///< folders made here, the innermost first
 };
 
 /// Removes a file when it goes out of scope.

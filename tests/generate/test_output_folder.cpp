@@ -34,7 +34,7 @@ TEST_F(OutputFolderTest, IsMadeAndKeptOnceItHoldsSomething) {
 }
 
 TEST_F(OutputFolderTest, DisappearsAgainWhereTheWorkFailed) {
-    { const OutputFolder folder((root_ / "a").string()); }
+    { const OutputFolder folder((root_ / "a" / "b").string()); }
     EXPECT_FALSE(fs::exists(root_ / "a"));
     fs::create_directory(root_ / "old");
     { const OutputFolder folder((root_ / "old").string()); }
