@@ -10,7 +10,7 @@ using ::testing::HasSubstr;
 const char* const patch_scene =
     "[garment]\nsource = \"patch\"\nwidth = 0.2\nheight = 0.2\nedge_length = 0.05\n[pins]\ncorners = \"top\"\n";
 const char* const body_scene =
-    "[body]\n[contact]\n[poses]\ncount = 2\n[garment]\nsource = \"tshirt\"\nedge_length = 0.05\n";
+    "[body]\nvoxel = 0.03\n[contact]\n[poses]\ncount = 2\n[garment]\nsource = \"tshirt\"\nedge_length = 0.05\n";
 
 class Cli : public CliTest {
   protected:
