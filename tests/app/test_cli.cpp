@@ -97,6 +97,7 @@ TEST_F(Cli, RefusesTablesThatDoNotGoTogether) {
     expect_refused("config patch.toml --set sphere={}", "[sphere] needs [contact]");
     expect_refused("config patch.toml --set contact={}", "nothing to touch");
     expect_refused("config patch.toml --set garment.source=tshirt", "garment.");
+    expect_refused("simulate patch.toml --out a.obj --set pins.vertex=[9999]", "vertex 9999");
     expect_refused("generate patch.toml --out d", "no [body]");
     expect_refused("skin patch.toml --pose 0 --out a.obj", "no [body]");
 }
