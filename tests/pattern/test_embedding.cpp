@@ -10,6 +10,7 @@
 #include "pattern/tshirt.h"
 #include "skin/anatomy.h"
 #include "skin/builtin_body.h"
+#include "tests/pattern/slow_build.h"
 #include "tests/pattern/tube_garment.h"
 
 namespace toile::pattern {
@@ -138,6 +139,7 @@ TEST(Embedding, refuses_a_posed_body_of_another_size) {
 }
 
 TEST(Embedding, frames_of_a_tshirt_are_smooth_over_cloth_and_poses) {
+    TOILE_SKIP_IN_SLOW_BUILD();
     const skin::Body body = skin::make_builtin_body({.voxel = 0.025});
     const Garment shirt = make_tshirt(body, {.edge_length = 0.03});
     const Embedding embedding = embed(shirt.mesh, body);
