@@ -87,10 +87,10 @@ TEST(Membrane, ProjectedHessianIsPositiveSemidefiniteAndExactInTension) {
         const Eigen::SelfAdjointEigenSolver<TriangleHessian> eigen(projected);
         EXPECT_GT(eigen.eigenvalues().minCoeff(), -1e-9 * eigen.eigenvalues().maxCoeff());
     }
-    const TrianglePositions& tense = deformed().front();
+    const TrianglePositions tense = deformed().front();
     EXPECT_LT((membrane_projected_hessian(stencil, jersey, tense) - membrane_hessian(stencil, jersey, tense)).norm(),
               1e-12 * membrane_hessian(stencil, jersey, tense).norm());
-    const TrianglePositions& compressed = deformed()[1];
+    const TrianglePositions compressed = deformed()[1];
     EXPECT_GT((membrane_projected_hessian(stencil, jersey, compressed) - membrane_hessian(stencil, jersey, compressed))
                   .norm(),
               1e-3 * membrane_hessian(stencil, jersey, compressed).norm());
