@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 
 #include "cloth/error.h"
 
@@ -79,6 +80,10 @@ cholmod_dense view(const Eigen::VectorXd& vector) {
 
 SparseCholesky::SparseCholesky(const BlockMatrix& pattern) : impl_(std::make_unique<Impl>()) {
     cholmod_sparse matrix = view(pattern);
+    // METIS draws from the C library's random numbers, of which a process has one stream. It seeds them itself, so one
+    // analysis at a time gives the same ordering, and the same last digits of every solve, whatever other threads do.
+    static std::mutex one_at_a_time;
+    const std::lock_guard lock(one_at_a_time);
     impl_->factor = cholmod_analyze(&matrix, &impl_->common);
     if (!impl_->factor) throw Error("the matrix could not be analysed for Cholesky: out of memory");
     impl_->size = pattern.size();
