@@ -8,7 +8,23 @@
 
 #include "cloth/error.h"
 
+// OpenBLAS is called by CHOLMOD; these two are in its library but not in the standard headers.
+extern "C" void openblas_set_num_threads(int threads);
+extern "C" int openblas_get_parallel(void);
+
 namespace toile {
+namespace {
+
+/// One thread for each factorisation, so that its sums do not depend on how many there are: toile runs samples in
+/// parallel.
+void use_one_thread() {
+    if (openblas_get_parallel() == 0)
+        throw Error("this OpenBLAS is built without locks and would spoil results when two threads call it", {},
+                    "install the Debian package libopenblas0-pthread and remove libopenblas0-serial");
+    openblas_set_num_threads(1);
+}
+
+}  // namespace
 
 struct SparseCholesky::Impl {
     cholmod_common common;
@@ -20,6 +36,8 @@ struct SparseCholesky::Impl {
     size_t nonzeros = 0;
 
     Impl() {
+        static const bool once = (use_one_thread(), true);
+        static_cast<void>(once);
         cholmod_start(&common);
         common.supernodal = CHOLMOD_SUPERNODAL;
         common.nmethods = 1;
