@@ -14,7 +14,7 @@ struct ContactOptions {
 
 /// The level set of the body.
 struct LevelSetOptions {
-    double voxel = 0.005;        ///< grid spacing [m], 0.001 to 0.02
+    double voxel = 0.006;        ///< grid spacing [m], 0.001 to 0.02
     double error_bound = 0.001;  ///< the level set is rebuilt before the moving surface is off by more than this [m]
 };
 
@@ -42,7 +42,7 @@ struct SolverOptions {
     Eigen::Vector3d gravity = {0.0, -9.81, 0.0};  ///< [m/s^2]
     double residual_tolerance = 5e-4;             ///< residual force over the garment's weight, 1e-9 to 0.1
     double speed_tolerance = 0.001;               ///< largest vertex speed at rest [m/s]
-    int max_iterations = 600;                     ///< Newton iterations for one drape
+    int max_iterations = 1000;                    ///< Newton iterations for one drape
 };
 
 /// The way from the neutral drape to a pose.
