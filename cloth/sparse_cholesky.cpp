@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 
 #include "cloth/error.h"
 
@@ -41,6 +40,7 @@ struct SparseCholesky::Impl {
         cholmod_start(&common);
         common.supernodal = CHOLMOD_SUPERNODAL;
         common.nmethods = 1;
+        // Not METIS: its ordering depends on the process's random numbers, and with it the last bits of a drape.
         common.method[0].ordering = CHOLMOD_AMD;
         common.postorder = 1;
         // Wider supernodes than CHOLMOD's default: a third less time for a cloth's Hessian with hinges (3,000
@@ -98,10 +98,6 @@ cholmod_dense view(const Eigen::VectorXd& vector) {
 
 SparseCholesky::SparseCholesky(const BlockMatrix& pattern) : impl_(std::make_unique<Impl>()) {
     cholmod_sparse matrix = view(pattern);
-    // METIS draws from the C library's random numbers, of which a process has one stream. It seeds them itself, so one
-    // analysis at a time gives the same ordering, and the same last digits of every solve, whatever other threads do.
-    static std::mutex one_at_a_time;
-    const std::lock_guard lock(one_at_a_time);
     impl_->factor = cholmod_analyze(&matrix, &impl_->common);
     if (!impl_->factor) throw Error("the matrix could not be analysed for Cholesky: out of memory");
     impl_->size = pattern.size();
