@@ -1,0 +1,1 @@
+#include "prior/rest_state.h"
