@@ -1,7 +1,8 @@
 # toile_add_room(NAME SOURCES a.cpp ... LINK targets...) makes the library toile_NAME with the alias toile::NAME.
 function(toile_compile_options target)
   # g++ 12 warns of overlaps in std::string's operator+ that are not there (its bug 105651).
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wno-restrict)
+  # -Wno-psabi: functions that take SIMD lanes (cloth/lane.h) are always inlined, so they have no calling convention.
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wno-restrict -Wno-psabi)
   if(TOILE_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
     target_link_options(${target} PUBLIC -fsanitize=address,undefined)
