@@ -64,6 +64,11 @@ class BlockSymbolic {
     int max_height() const { return max_height_; }  ///< rows of the highest
 
   private:
+    void find_supernodes();
+    void add_supernodes(int begin, int width, const std::vector<int>& rows);
+    void list_entries();
+    void list_updates();
+
     int vertex_count_;
     std::vector<std::pair<int, int>> pair_;
     std::vector<int> pair_start_;  // by smaller vertex, into pair_

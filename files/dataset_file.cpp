@@ -7,6 +7,7 @@
 
 #include "cloth/error.h"
 #include "files/digest.h"
+#include "files/mesh_group.h"
 #include "files/new_file.h"
 
 namespace toile::files {
@@ -36,16 +37,6 @@ void append(std::string& bytes, const T* value, size_t count) {
 template <typename T>
 void append(std::string& bytes, const std::vector<T>& value) {
     append(bytes, value.data(), value.size());
-}
-
-void write_mesh_group(Hdf5File& file, const ClothMesh& mesh, int deflate) {
-    const Storage storage{deflate, {}};
-    const int64_t faces = mesh.triangle_count(), vertices = mesh.vertex_count();
-    file.write("/mesh/triangle", mesh.triangle.data(), {faces, 3}, storage);
-    file.write("/mesh/rest_position", mesh.rest_position.data(), {vertices, 3}, storage);
-    file.write("/mesh/pattern_position", mesh.pattern_position.data(), {mesh.pattern_position.rows(), 2}, storage);
-    file.write("/mesh/pattern_triangle", mesh.pattern_triangle.data(), {faces, 3}, storage);
-    if (mesh.mass.size() > 0) file.write("/mesh/mass", mesh.mass.data(), {vertices}, storage);
 }
 
 void write_body_group(Hdf5File& file, const DatasetBody& body, int deflate) {

@@ -3,6 +3,7 @@
 
 #include "cloth/error.h"
 #include "files/dataset_file.h"
+#include "files/mesh_group.h"
 
 namespace toile::files {
 namespace {
@@ -12,19 +13,6 @@ Rows rows_of(const Array<T>& array) {
     Rows rows(array.shape[0], array.shape[1]);
     std::copy(array.value.begin(), array.value.end(), rows.data());
     return rows;
-}
-
-ClothMesh read_mesh_group(const Hdf5File& file) {
-    ClothMesh mesh;
-    mesh.triangle = rows_of<Triangles>(file.read<int>("/mesh/triangle", {any_size, 3}));
-    mesh.rest_position = rows_of<Positions>(file.read<double>("/mesh/rest_position", {any_size, 3}));
-    mesh.pattern_position = rows_of<PlanePositions>(file.read<double>("/mesh/pattern_position", {any_size, 2}));
-    mesh.pattern_triangle = rows_of<Triangles>(file.read<int>("/mesh/pattern_triangle", {mesh.triangle.rows(), 3}));
-    if (file.has("/mesh/mass")) {
-        const auto mass = file.read<double>("/mesh/mass", {mesh.rest_position.rows()});
-        mesh.mass = Eigen::Map<const Eigen::VectorXd>(mass.value.data(), mesh.rest_position.rows());
-    }
-    return mesh;
 }
 
 DatasetBody read_body_group(const Hdf5File& file) {

@@ -1,6 +1,7 @@
 #include <hdf5.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <functional>
 #include <numeric>
 #include <type_traits>
@@ -59,7 +60,7 @@ void check_memory(int64_t count, size_t width) {
 
 template <typename T>
 void check_kind(const std::string& stored) {
-    const bool fits = std::is_floating_point_v<T> ? stored == "float32" || stored == "float64"
+    const bool fits = std::is_floating_point_v<T> ? stored.rfind("float", 0) == 0
                                                   : stored.rfind("int", 0) == 0 || stored.rfind("uint", 0) == 0;
     if (!fits)
         throw Error(std::string("holds ") + stored + " where " +
@@ -228,7 +229,9 @@ void Hdf5File::write_strings(const std::string& name, const std::vector<std::str
 template <typename T>
 void Hdf5File::create_rows(const std::string& name, int64_t rows, const Shape& row_shape, int deflate) {
     const Session session;
-    Shape shape{rows}, chunk{1};
+    // a value a row: many share a chunk
+    const int64_t chunk_rows = row_shape.empty() ? std::clamp<int64_t>(rows, 1, 4096) : 1;
+    Shape shape{rows}, chunk{chunk_rows};
     shape.insert(shape.end(), row_shape.begin(), row_shape.end());
     chunk.insert(chunk.end(), row_shape.begin(), row_shape.end());
     std::vector<hsize_t> largest = sizes(shape);
@@ -244,19 +247,20 @@ void Hdf5File::create_rows(const std::string& name, int64_t rows, const Shape& r
 }
 
 template <typename T>
-void Hdf5File::write_row(const std::string& name, int64_t row, const T* value) {
+void Hdf5File::write_rows(const std::string& name, int64_t first, int64_t count, const T* value) {
     const Session session;
     Handle dataset = impl_->dataset(name);
     Handle space(H5Dget_space(dataset), H5Sclose);
     Shape shape = impl_->shape(space);
-    if (shape.empty() || row < 0) impl_->fail("has no row " + std::to_string(row), name);
-    if (row >= shape[0]) {
-        shape[0] = row + 1;
+    if (shape.empty() || first < 0 || count < 0) impl_->fail("has no row " + std::to_string(first), name);
+    if (count == 0) return;
+    if (first + count > shape[0]) {
+        shape[0] = first + count;
         if (H5Dset_extent(dataset, sizes(shape).data()) < 0) impl_->fail("cannot be extended", name);
         space = Handle(H5Dget_space(dataset), H5Sclose);
     }
-    select_rows(space, shape, row, 1);
-    shape[0] = 1;
+    select_rows(space, shape, first, count);
+    shape[0] = count;
     const Handle memory = dataspace(shape);
     if (H5Dwrite(dataset, native_type<T>(), memory, space, H5P_DEFAULT, value) < 0)
         impl_->fail("cannot write: " + library_message(), name);
@@ -279,12 +283,18 @@ void Hdf5File::link(const std::string& name, const std::string& file, const std:
     impl_->check_written();
 }
 
+template <typename T>
+void Hdf5File::write_row(const std::string& name, int64_t row, const T* value) {
+    write_rows(name, row, 1, value);
+}
+
 #define TOILE_ELEMENT_TYPE(T)                                                                     \
     template Array<T> Hdf5File::read<T>(const std::string&) const;                                \
     template Array<T> Hdf5File::read<T>(const std::string&, const Shape&) const;                  \
     template Array<T> Hdf5File::read_rows<T>(const std::string&, int64_t, int64_t) const;         \
     template void Hdf5File::write<T>(const std::string&, const T*, const Shape&, const Storage&); \
     template void Hdf5File::create_rows<T>(const std::string&, int64_t, const Shape&, int);       \
+    template void Hdf5File::write_rows<T>(const std::string&, int64_t, int64_t, const T*);        \
     template void Hdf5File::write_row<T>(const std::string&, int64_t, const T*);
 TOILE_ELEMENT_TYPE(float)
 TOILE_ELEMENT_TYPE(double)

@@ -30,7 +30,7 @@ struct Storage {
 ///
 /// Every failure is an Error whose `where` is "file:/dataset": missing or unreadable file, not HDF5, truncated, missing
 /// dataset, wrong type or shape, damaged chunk, full disk, no permission. HDF5 itself prints nothing. Element types T:
-/// float, double, int8_t, uint8_t, int16_t, int32_t, int64_t. Floating point of either width reads as float or double;
+/// float, double, int8_t, uint8_t, int16_t, int32_t, int64_t. Floating point of any width reads as float or double;
 /// integers of any width read as any integer that holds their values; neither reads as the other.
 ///
 /// Strings are written as UTF-8 of one fixed length (h5py gives bytes), and read at any length.
@@ -80,12 +80,16 @@ class Hdf5File {
     }
     void write_strings(const std::string& dataset, const std::vector<std::string>& value);
 
-    /// A dataset of `rows` rows, each a chunk, that can grow; rows never written read as zero.
+    /// A dataset of `rows` rows, each a chunk, that can grow; rows never written read as zero. Rows of one value (an
+    /// empty `row_shape`) share chunks.
     template <typename T>
     void create_rows(const std::string& dataset, int64_t rows, const Shape& row_shape, int deflate);
     /// Writes one row, and extends the dataset to hold it.
     template <typename T>
     void write_row(const std::string& dataset, int64_t row, const T* value);
+    /// Writes rows [first, first + count), and extends the dataset to hold them.
+    template <typename T>
+    void write_rows(const std::string& dataset, int64_t first, int64_t count, const T* value);
     void remove(const std::string& name);
     /// Shows a dataset of another file under `name` (an external link). `file` is relative to this file's folder, and
     /// need not be there.

@@ -25,11 +25,11 @@ struct InextensibilityModel {
 
 struct InextensibilityOptions {
     enum class Method {
-        newton,  ///< first-order sweeps on a constant V x V matrix, then semismooth Newton on the augmented Lagrangian
+        interior_point,  ///< first-order sweeps on a constant V x V matrix, then a primal-dual interior point
         cone     ///< the paper's own route: its second-order cone program by an interior-point method, one sample at a
                  ///< time
     };
-    Method method = Method::newton;
+    Method method = Method::interior_point;
     double tolerance = 1e-6;   ///< of `Report::residual`; in [1e-10, 1e-1]
     int max_iterations = 200;  ///< second-order steps a sample may take; at least 1
 
