@@ -154,6 +154,10 @@ ConfigFile::ConfigFile(const std::string& path, const std::vector<std::string>& 
     for (const std::string& one : overrides) apply_override(document_->tree, one);
 }
 
+ConfigFile::ConfigFile(const std::vector<std::string>& overrides) : document_(std::make_shared<ConfigDocument>()) {
+    for (const std::string& one : overrides) apply_override(document_->tree, one);
+}
+
 ConfigTable ConfigFile::root() const {
     return ConfigTable(document_, "");
 }

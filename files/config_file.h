@@ -103,6 +103,8 @@ class ConfigFile {
     /// Reads `path`; each override is `key.path=value`, its value TOML or else a bare word. Throws Error for a file
     /// that is missing, empty, unreadable, not TOML, or larger than 4 MB, and for an override that is malformed.
     ConfigFile(const std::string& path, const std::vector<std::string>& overrides);
+    /// A configuration without a file: defaults and overrides.
+    explicit ConfigFile(const std::vector<std::string>& overrides);
 
     ConfigTable root() const;
     /// Throws Error for the first key that no cursor has asked for, with the nearest known one as the mend.

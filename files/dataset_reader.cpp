@@ -62,6 +62,7 @@ DatasetHeader read_header(const Hdf5File& file) {
     header.duplicate_angle = file.number_attribute("/samples/split", "duplicate_angle");
     for (const std::string& key : file.attributes("/certificate"))
         header.gate[key] = file.number_attribute("/certificate", key);
+    file.shape("/mesh/pattern_position");  // only a data set's mesh must have a pattern
     header.mesh = read_mesh_group(file);
     if (file.has("/body")) header.body = read_body_group(file);
     if (file.has("/embedding")) {
