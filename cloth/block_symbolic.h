@@ -55,13 +55,14 @@ class BlockSymbolic {
     };
     const std::vector<Supernode>& supernode() const { return supernode_; }
     const std::vector<int>& row() const { return row_; }
+    const std::vector<int>& row_vertex() const { return row_vertex_; }  ///< the vertices of `row()`
     const std::vector<Entry>& entry() const { return entry_; }
     const std::vector<Update>& update() const { return update_; }
     const std::vector<int>& target() const { return target_; }
     /// The vertex at each position.
     const std::vector<int>& vertex() const { return vertex_; }
-    int max_width() const { return max_width_; }    ///< vertices of the widest supernode
-    int max_height() const { return max_height_; }  ///< rows of the highest
+    /// No supernode has more columns.
+    static constexpr int max_width = 16;
 
   private:
     void find_supernodes();
@@ -74,11 +75,10 @@ class BlockSymbolic {
     std::vector<int> pair_start_;  // by smaller vertex, into pair_
     std::vector<int> vertex_;
     std::vector<Supernode> supernode_;
-    std::vector<int> row_;
+    std::vector<int> row_, row_vertex_;
     std::vector<Entry> entry_;
     std::vector<Update> update_;
     std::vector<int> target_;
-    int max_width_ = 0, max_height_ = 0;
 };
 
 }  // namespace toile
