@@ -6,6 +6,7 @@
 
 #include "app/commands.h"
 #include "app/guard.h"
+#include "app/progress.h"
 
 namespace {
 
@@ -19,6 +20,7 @@ int parse(int argc, char** argv, toile::app::Work& chosen) {
     toile::app::add_generate_command(program, chosen);
     toile::app::add_skin_command(program, chosen);
     toile::app::add_simulate_command(program, chosen);
+    toile::app::add_project_command(program, chosen);
     toile::app::add_validate_command(program, chosen);
     toile::app::add_config_command(program, chosen);
     const auto known =
@@ -44,6 +46,7 @@ int parse(int argc, char** argv, toile::app::Work& chosen) {
 int main(int argc, char** argv) {
     // Beyond a limit on file sizes writes then fail with a reason, as they do on a full disk.
     std::signal(SIGXFSZ, SIG_IGN);
+    toile::app::log_to_stderr();
     const int status = toile::app::guarded([&] {
         toile::app::Work work;
         const int parsed = parse(argc, argv, work);

@@ -1,6 +1,7 @@
 #include "app/progress.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -22,6 +23,10 @@ std::string failed_text(int failed) {
 }
 
 }  // namespace
+
+void log_to_stderr() {
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>("", std::make_shared<spdlog::sinks::stderr_sink_mt>()));
+}
 
 ProgressDisplay::ProgressDisplay() : terminal_(isatty(STDERR_FILENO) == 1) {}
 

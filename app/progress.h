@@ -7,6 +7,9 @@
 
 namespace toile::app {
 
+/// From now on log lines go to stderr; stdout is for results.
+void log_to_stderr();
+
 /// Shows how far long work has come, on stderr: on a terminal one line, written over again, with the time left; else a
 /// log line now and then.
 class ProgressDisplay {

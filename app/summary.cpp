@@ -50,6 +50,23 @@ void print_validation(const generate::Validation& validation) {
     for (const std::string& defect : validation.defect) say("  not valid        {}", defect);
 }
 
+void print_projection(const generate::ProjectSummary& s, const std::string& path) {
+    say("{}", path);
+    say("  samples          {} of {} converged, {} vertices, {} edges each", s.converged, s.samples, s.vertices,
+        s.edges);
+    const double n = s.samples > 0 ? static_cast<double>(s.samples) : 1.0;
+    if (s.samples > 0) {
+        say("  worst residual   {:.2e} after at most {} iterations", s.worst_residual, s.most_iterations);
+        say("  forward          {:.3f} ms a sample: sweeps {:.3f}, assembly {:.3f}, factor {:.3f}, solve {:.3f}",
+            1e3 * s.forward / n, 1e3 * s.sweep / n, 1e3 * s.assembly / n, 1e3 * s.factor / n, 1e3 * s.solve / n);
+    }
+    if (s.gradient && s.samples > 0) {
+        say("  gradient         {:.3f} ms a sample", 1e3 * s.backward / n);
+        if (s.at_kink > 0) say("  at a kink        {} samples: their gradient is one-sided", s.at_kink);
+    }
+    say("  time             {:.2f} s in all", s.seconds);
+}
+
 void print_drape(const simulate::DrapeResult& result, const std::string& path) {
     const simulate::Certificate& c = result.certificate;
     say("{}", path);

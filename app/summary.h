@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "generate/generate.h"
+#include "generate/project.h"
 #include "generate/validate.h"
 #include "simulate/drape.h"
 
@@ -13,6 +14,7 @@ namespace toile::app {
 void print_summary(const generate::GenerateSummary& summary);
 void print_look(const std::vector<std::string>& path);
 void print_validation(const generate::Validation& validation);
+void print_projection(const generate::ProjectSummary& summary, const std::string& path);
 void print_drape(const simulate::DrapeResult& result, const std::string& path);
 
 }  // namespace toile::app

@@ -10,7 +10,7 @@ namespace toile::generate {
 
 /// Someone asked the work to end.
 struct Interrupted : std::runtime_error {
-    Interrupted() : std::runtime_error("interrupted: no data set was written") {}
+    explicit Interrupted(const char* what = "interrupted: no data set was written") : std::runtime_error(what) {}
 };
 
 /// Makes records 0 .. count - 1 from `jobs` threads and hands each to `take` in index order, one thread at a time. A
