@@ -26,8 +26,8 @@ struct InextensibilityModel {
 struct InextensibilityOptions {
     enum class Method {
         interior_point,  ///< first-order sweeps on a constant V x V matrix, then a primal-dual interior point
-        cone     ///< the paper's own route: its second-order cone program by an interior-point method, one sample at a
-                 ///< time
+        cone  ///< the paper's own route: its second-order cone program by an interior-point method, one sample at a
+              ///< time
     };
     Method method = Method::interior_point;
     double tolerance = 1e-6;   ///< of `Report::residual`; in [1e-10, 1e-1]
@@ -101,7 +101,7 @@ class Inextensibility {
 
   private:
     struct Impl;
-    std::unique_ptr<const Impl> impl_;
+    std::unique_ptr<Impl> impl_;
 };
 
 /// The buffers of one caller: sized at the first call of each kind, reused afterwards. `threads` share a batch's work.
