@@ -6,8 +6,73 @@
 #include <numeric>
 
 #include "cloth/error.h"
+#include "cloth/vertex_separator.h"
 
 namespace toile {
+namespace {
+
+/// Parts of at most this many vertices are left to minimum degree.
+constexpr int leaf_size = 64;
+
+/// Numbers parts so that each comes before the separator that cuts it off.
+class Dissection {
+  public:
+    Dissection(int vertex_count, const std::vector<std::pair<int, int>>& pairs)
+        : start_(vertex_count + 1, 0), neighbour_(2 * pairs.size()), local_(vertex_count, -1), part_(vertex_count, 0) {
+        for (const auto& [i, j] : pairs) ++start_[i + 1], ++start_[j + 1];
+        std::partial_sum(start_.begin(), start_.end(), start_.begin());
+        std::vector<int> next(start_.begin(), start_.end() - 1);
+        // In two passes each list is rising: first the smaller neighbours, then the larger.
+        for (const auto& [i, j] : pairs) neighbour_[next[i]++] = j;
+        for (const auto& [i, j] : pairs) neighbour_[next[j]++] = i;
+        std::vector<int> all(vertex_count);
+        std::iota(all.begin(), all.end(), 0);
+        dissect(all);
+    }
+
+    /// By vertex; fewer than there are vertices.
+    std::vector<int>& part() { return part_; }
+
+  private:
+    void dissect(const std::vector<int>& vertices) {
+        std::vector<int> side[3];
+        if (static_cast<int>(vertices.size()) > leaf_size) {
+            const std::vector<char> split = separate(induced_graph(vertices));
+            for (size_t k = 0; k < vertices.size(); ++k) side[static_cast<int>(split[k])].push_back(vertices[k]);
+        }
+        if (side[0].empty() || side[1].empty()) {
+            for (int v : vertices) part_[v] = part_count_;
+            ++part_count_;
+            return;
+        }
+        dissect(side[0]);
+        dissect(side[1]);
+        for (int v : side[2]) part_[v] = part_count_;
+        if (!side[2].empty()) ++part_count_;
+    }
+
+    WeightedGraph induced_graph(const std::vector<int>& vertices) {
+        WeightedGraph graph;
+        graph.vertex_weight.assign(vertices.size(), 1);
+        for (size_t k = 0; k < vertices.size(); ++k) local_[vertices[k]] = static_cast<int>(k);
+        graph.start.push_back(0);
+        for (int v : vertices) {
+            for (int e = start_[v]; e < start_[v + 1]; ++e)
+                if (local_[neighbour_[e]] >= 0) graph.neighbour.push_back(local_[neighbour_[e]]);
+            graph.start.push_back(static_cast<int>(graph.neighbour.size()));
+        }
+        graph.edge_weight.assign(graph.neighbour.size(), 1);
+        for (int v : vertices) local_[v] = -1;
+        return graph;
+    }
+
+    std::vector<int> start_, neighbour_;
+    std::vector<int> local_;  // index within the part that is being dissected, or -1
+    std::vector<int> part_;
+    int part_count_ = 0;
+};
+
+}  // namespace
 
 std::vector<int> order_vertices(int vertex_count, const std::vector<std::pair<int, int>>& pairs) {
     std::vector<int> order(vertex_count);
@@ -29,10 +94,11 @@ std::vector<int> order_vertices(int vertex_count, const std::vector<std::pair<in
     pattern.itype = CHOLMOD_INT;
     pattern.xtype = CHOLMOD_PATTERN;
     pattern.packed = 1;
+    Dissection dissection(vertex_count, pairs);
     cholmod_common common;
     cholmod_start(&common);
     common.print = 0;
-    const bool ordered = cholmod_amd(&pattern, nullptr, 0, order.data(), &common);
+    const bool ordered = cholmod_camd(&pattern, nullptr, 0, dissection.part().data(), order.data(), &common);
     cholmod_finish(&common);
     if (!ordered) throw Error("the matrix could not be ordered for Cholesky: out of memory");
     return order;
