@@ -49,7 +49,7 @@ TOILE_KERNELS(one_avx2, TOILE_AVX2, OneSample, 3, panel::SolveOneSample, 4, 6)
 TOILE_KERNELS(eight_avx512, TOILE_AVX512, EightSamples<Lane8>, 2, panel::SolveEightSamples<Lane8>, 2, 6)
 TOILE_KERNELS(eight_avx2, TOILE_AVX2, EightSamples<panel::Four>, 1, panel::SolveEightSamples<panel::Four>, 2, 6)
 #endif
-TOILE_KERNELS(one_plain, , OneSample, 2, panel::SolveOneSample, 2, 3)
+TOILE_KERNELS(one_plain, , panel::OneSampleInPieces, 2, panel::SolveOneSample, 2, 3)
 TOILE_KERNELS(eight_plain, , EightSamples<panel::Two>, 1, panel::SolveEightSamples<panel::Two>, 2, 6)
 
 template <int W>

@@ -24,12 +24,21 @@ template <class V>
     __builtin_memcpy(p, &v, sizeof(V));
 }
 
+/// Keeps the compiler from reading v from memory again at each use: more loads than the processor does in the time.
+template <class V>
+[[gnu::always_inline]] inline void hold_in_register([[maybe_unused]] V& v) {
+#if defined(__x86_64__)
+    __asm__("" : "+v"(v));
+#endif
+}
+
 /// Eight samples: three registers for a block's column (times `passes` where a register has fewer than eight lanes).
 template <class V>
 struct EightSamples {
     using Vector = V;
     static constexpr int lanes = 8, column = 24, parts = 3, part = 8;
     static constexpr int pass = sizeof(V) / sizeof(double), passes = 8 / pass;
+    static constexpr bool fits_register = true;
     /// Number in row r of a block's column, for all rows of another.
     [[gnu::always_inline]] static V factor(const double* block_column, int r) { return load<V>(block_column + 8 * r); }
     [[gnu::always_inline]] static void load_row(const double* x, V* row) {
@@ -46,6 +55,7 @@ struct OneSample {
     using Vector = Four;
     static constexpr int lanes = 1, column = 4, parts = 1, part = 4;
     static constexpr int pass = 1, passes = 1;
+    static constexpr bool fits_register = true;
     [[gnu::always_inline]] static Four factor(const double* block_column, int r) {
         const double x = block_column[r];
         return Four{x, x, x, x};
@@ -55,6 +65,11 @@ struct OneSample {
         for (int r = 0; r < 3; ++r) x[r] = row[0][r];
     }
     [[gnu::always_inline]] static void add_sum(double* y, Four sum) { *y += (sum[0] + sum[1]) + (sum[2] + sum[3]); }
+};
+
+/// The same where a register has no four lanes.
+struct OneSampleInPieces : OneSample {
+    static constexpr bool fits_register = false;
 };
 
 /// c_i -= a_i bᵀ for ROWS blocks c_i of one block column; a_i and b are `depth` scalar columns long. If `pivot` is
@@ -75,7 +90,10 @@ template <class S, int ROWS>
         for (int d = 0; d < depth; ++d) {
             V left[ROWS][S::parts];
             for (int i = 0; i < ROWS; ++i)
-                for (int r = 0; r < S::parts; ++r) left[i][r] = load<V>(a_column[i] + d * S::column + r * S::part);
+                for (int r = 0; r < S::parts; ++r) {
+                    left[i][r] = load<V>(a_column[i] + d * S::column + r * S::part);
+                    if constexpr (S::fits_register) hold_in_register(left[i][r]);
+                }
             for (int k = 0; k < 3; ++k) {
                 const V right = S::factor(b_column + d * S::column, k);
                 for (int i = 0; i < ROWS; ++i)
