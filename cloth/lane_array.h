@@ -21,7 +21,7 @@ class LaneArray {
 
   private:
     struct Free {
-        std::align_val_t alignment{64};
+        std::align_val_t alignment;
         void operator()(double* p) const { ::operator delete(p, alignment); }
     };
     std::unique_ptr<double, Free> data_;
