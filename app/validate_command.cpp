@@ -13,7 +13,7 @@ int validate_file(const std::string& file, int jobs) {
     generate::ValidateOptions options;
     options.jobs = jobs;
     options.step = [&](int done, int total) { display({"checking", done, total, 0}); };
-    const generate::Validation validation = generate::validate_dataset(file, options);
+    const generate::Validation validation = generate::validate_file(file, options);
     display.finish();
     print_validation(validation);
     if (validation.defect.empty()) return all_done;
@@ -24,12 +24,14 @@ int validate_file(const std::string& file, int jobs) {
 }  // namespace
 
 void add_validate_command(CLI::App& program, Work& chosen) {
-    CLI::App* command = program.add_subcommand("validate", "check a data set: structure, digests, certificates");
+    CLI::App* command = program.add_subcommand(
+        "validate", "check a data set, a problem or a projection: structure, digests, certificates, residuals");
     const auto flags = std::make_shared<Flags>();
-    command->add_option("FILE", flags->out, "the data set")->required();
+    command->add_option("FILE", flags->out, "the file")->required();
     add_jobs_flag(*command, *flags);
     command->footer(
-        "Lists every defect; the exit status is 0 if there is none, else 2.\n\n  toile validate out/quick/dataset.h5");
+        "Lists every defect; the exit status is 0 if there is none, else 2.\n\n  toile validate out/quick/dataset.h5\n"
+        "  toile validate projection.h5");
     command->callback([flags, &chosen] { chosen = [flags] { return validate_file(flags->out, flags->jobs); }; });
 }
 

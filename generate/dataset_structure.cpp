@@ -1,27 +1,15 @@
 #include "generate/dataset_structure.h"
 
 #include <algorithm>
-#include <map>
-#include <sstream>
+#include <string_view>
 
 #include "cloth/error.h"
+#include "generate/file_structure.h"
 
 namespace toile::generate {
 namespace {
 
-/// One line of the contract's table. `size` lists numbers and letters; a letter stands for one size in the whole file.
-struct Field {
-    const char* name;
-    const char* type;
-    const char* size;
-};
-
-/// Datasets that are there together or not at all.
-struct Feature {
-    const char* name;
-    bool required;
-    std::vector<Field> field;
-};
+constexpr std::string_view timing_name = "/certificate/seconds";
 
 const std::vector<Feature>& contract() {
     static const std::vector<Feature> feature{{"mesh",
@@ -73,60 +61,11 @@ const std::vector<Feature>& contract() {
     return feature;
 }
 
-/// The size each letter stands for, with the dataset that said so first.
-using Sizes = std::map<std::string, std::pair<int64_t, std::string>>;
-
-void check_shape(const Field& field, const files::Shape& shape, Sizes& sizes, std::vector<std::string>& defect) {
-    std::istringstream text(field.size);
-    std::vector<std::string> expected;
-    for (std::string word; text >> word;) expected.push_back(word);
-    if (expected.size() != shape.size()) {
-        defect.push_back(std::string(field.name) + ": has shape " + files::shape_text(shape) + ", expected " +
-                         std::to_string(expected.size()) + " dimensions");
-        return;
-    }
-    for (size_t i = 0; i < shape.size(); ++i) {
-        int64_t size = shape[i];
-        std::string source;
-        if (std::isdigit(static_cast<unsigned char>(expected[i][0]))) {
-            size = std::stoll(expected[i]);
-        } else {
-            std::tie(size, source) = sizes.try_emplace(expected[i], shape[i], field.name).first->second;
-        }
-        if (size != shape[i])
-            defect.push_back(std::string(field.name) + ": has shape " + files::shape_text(shape) + ", expected " +
-                             std::to_string(size) + " along dimension " + std::to_string(i) +
-                             (source.empty() ? "" : " as in " + source));
-    }
-}
-
 /// The wall times are in a file of their own: a data set that was moved without it is still sound.
-bool timing_stayed_behind(const files::Hdf5File& file, const std::string& name) {
+bool timing_stayed_behind(const files::Hdf5File& file) {
     const std::vector<std::string> key = file.members("/certificate");
     const bool linked = std::find(key.begin(), key.end(), "seconds") != key.end();
-    return name == "/certificate/seconds" && linked && !file.has(name);
-}
-
-void check_field(const files::Hdf5File& file, const Field& field, Sizes& sizes, std::vector<std::string>& defect) {
-    try {
-        if (timing_stayed_behind(file, field.name)) return;
-        if (!file.is_dataset(field.name)) {
-            defect.push_back(std::string(field.name) + ": missing");
-            return;
-        }
-        const std::string type = file.type_name(field.name);
-        if (type != field.type)
-            defect.push_back(std::string(field.name) + ": holds " + type + ", expected " + field.type);
-        check_shape(field, file.shape(field.name), sizes, defect);
-    } catch (const Error& error) {
-        defect.push_back(std::string(field.name) + ": " + error.what());
-    }
-}
-
-bool present(const files::Hdf5File& file, const Feature& feature) {
-    bool any = feature.required || file.has(std::string("/") + feature.name);
-    for (const Field& field : feature.field) any = any || file.has(field.name);
-    return any;
+    return linked && !file.has(std::string(timing_name));
 }
 
 void check_attributes(const files::Hdf5File& file, bool with_image, std::vector<std::string>& defect) {
@@ -153,14 +92,15 @@ void check_attributes(const files::Hdf5File& file, bool with_image, std::vector<
 
 std::vector<std::string> structure_defects(const files::Hdf5File& file) {
     std::vector<std::string> defect;
-    Sizes sizes;
-    for (const Feature& feature : contract()) {
-        if (!present(file, feature)) continue;
-        for (const Field& field : feature.field) check_field(file, field, sizes, defect);
+    std::vector<Feature> table = contract();
+    if (timing_stayed_behind(file)) {
+        for (Feature& feature : table)
+            std::erase_if(feature.field, [](const Field& field) { return field.name == timing_name; });
     }
-    if (sizes.count("C") && sizes.count("L") && sizes["C"].first != 3 * sizes["L"].first)
-        defect.push_back("/samples/image: has " + std::to_string(sizes["C"].first) + " channels for " +
-                         std::to_string(sizes["L"].first) + " layers in /image/mask");
+    std::map<std::string, int64_t> size = check_structure(file, table, defect);
+    if (size.count("C") && size.count("L") && size["C"] != 3 * size["L"])
+        defect.push_back("/samples/image: has " + std::to_string(size["C"]) + " channels for " +
+                         std::to_string(size["L"]) + " layers in /image/mask");
     if (file.has("/embedding") && !file.has("/body")) defect.push_back("/embedding: there is no /body to carry it");
     if (file.has("/image") && !file.has("/embedding")) defect.push_back("/image: there is no /embedding it could show");
     check_attributes(file, file.has("/samples/image"), defect);

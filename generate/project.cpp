@@ -62,13 +62,13 @@ void count_forward(const Run& run, const Batch& batch) {
         s.factor += one.seconds_factor;
         s.solve += one.seconds_solve;
         if (one.status == prior::Status::rejected_input) {
-            run.fail(sample, "rejected: its prediction is not finite");
+            run.fail(sample, "was rejected: its prediction is not finite");
             continue;
         }
         s.worst_residual = std::max(s.worst_residual, one.residual);
         s.most_iterations = std::max(s.most_iterations, one.iterations);
         if (one.status == prior::Status::accuracy_not_reached)
-            run.fail(sample, fmt::format("accuracy not reached: residual {:.2e}, tolerance {:.0e}", one.residual,
+            run.fail(sample, fmt::format("did not reach the accuracy: residual {:.2e}, tolerance {:.0e}", one.residual,
                                          run.config.tolerance()));
     }
 }
@@ -101,12 +101,12 @@ void count_backward(const Run& run, const Batch& batch) {
         run.summary.backward += one.seconds;
         if (run.work.report()[i].status == prior::Status::rejected_input) continue;
         if (std::isnan(batch.loss[i])) {
-            run.fail(sample, "no gradient: its target is not finite");
+            run.fail(sample, "has no gradient: its target is not finite");
             continue;
         }
         if (one.status != prior::Status::converged)
-            run.fail(sample, fmt::format("gradient not accurate: linear residual {:.2e}", one.linear_residual));
-        if (!one.positive_definite) run.fail(sample, "gradient in doubt: the Hessian is not positive definite");
+            run.fail(sample, fmt::format("has a gradient that is not accurate: linear residual {:.2e}", one.linear_residual));
+        if (!one.positive_definite) run.fail(sample, "has a gradient in doubt: the Hessian is not positive definite");
         const bool one_sided = one.weakly_active > 0 || one.active_set_distance <= run.config.tolerance();
         run.summary.at_kink += run.config.prior == Prior::inextensibility && one_sided;
     }

@@ -16,6 +16,9 @@ struct ValidateOptions {
     std::function<void(int done, int total)> step;  ///< called after each sample, one call at a time
 };
 
+/// Checks any file of ours: a data set, a projection, or a problem, told apart by their datasets.
+Validation validate_file(const std::string& path, const ValidateOptions& options = {});
+
 /// Checks a dataset file from the file alone and returns everything that is wrong with it, in a fixed order:
 ///
 /// - the contract's datasets, their types, shapes and attributes (if these fail, nothing further is read);

@@ -1,0 +1,19 @@
+#include "files/hdf5_file.h"
+#include "generate/validate.h"
+#include "generate/validate_projection.h"
+
+namespace toile::generate {
+
+Validation validate_file(const std::string& path, const ValidateOptions& options) {
+    bool projection = false, problem = false;
+    {
+        const files::Hdf5File file = files::Hdf5File::open(path);
+        projection = file.has("/samples/projected");
+        problem = file.has("/samples/predicted") && !file.has("/samples/cloth");
+    }
+    if (projection) return validate_projection(path, options);
+    if (problem) return validate_problem(path, options);
+    return validate_dataset(path, options);
+}
+
+}  // namespace toile::generate
