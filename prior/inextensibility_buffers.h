@@ -25,7 +25,7 @@ struct InextensibilityShared {
     std::vector<double> stiffness;  ///< `[V]` in units of `stiffness_scale`
     double length = 1;              ///< mean edge limit [m]
     double stiffness_scale = 1;     ///< mean k_i
-    double penalty = 1;             ///< ρ of the first-order sweeps
+    double penalty = 10;            ///< ρ of the first-order sweeps
     std::shared_ptr<const BlockSymbolic> symbolic;
     std::unique_ptr<const ScalarCholesky> constant;  ///< K + ρ GᵀG
 };

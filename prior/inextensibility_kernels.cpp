@@ -93,12 +93,18 @@ TOILE_LANE_KERNEL void smooth_start(const InextensibilityLanes<W>& g, double pen
 }
 
 template <int W>
-TOILE_LANE_KERNEL void dual_from_multipliers(const InextensibilityLanes<W>& g, double penalty) {
+TOILE_LANE_KERNEL void resume_sweeps(const InextensibilityLanes<W>& g, double penalty) {
+    for (int i = 0; i < 3 * g.vertex_count; ++i)
+        store_lanes<W>(g.step + i * W, load_lanes<W>(g.predicted + i * W) * g.stiffness[i / 3]);
     for (int e = 0; e < g.edge_count; ++e) {
-        const LaneVector<W> d =
-            difference<W>(g.position + 3 * g.edge[2 * e] * W, g.position + 3 * g.edge[2 * e + 1] * W);
-        const Lane<W> f = load_lanes<W>(g.multiplier + e * W) / (penalty * lane_sqrt(dot<W>(d, d) + tiny));
-        store_vector<W>(g.dual + 3 * e * W, LaneVector<W>{f * d.x, f * d.y, f * d.z});
+        const int a = 3 * g.edge[2 * e], b = 3 * g.edge[2 * e + 1];
+        const LaneVector<W> d = difference<W>(g.position + a * W, g.position + b * W);
+        const Lane<W> l = lane_sqrt(dot<W>(d, d) + tiny);
+        const Lane<W> f = lane_min(lane_broadcast<W>(1.0), g.limit[e] / l);
+        const Lane<W> h = load_lanes<W>(g.multiplier + e * W) / (penalty * l);
+        store_vector<W>(g.split + 3 * e * W, LaneVector<W>{f * d.x, f * d.y, f * d.z});
+        store_vector<W>(g.dual + 3 * e * W, LaneVector<W>{h * d.x, h * d.y, h * d.z});
+        add_opposite<W>(g.step + a * W, g.step + b * W, penalty * (f - h), d);
     }
 }
 
@@ -237,7 +243,7 @@ TOILE_LANE_KERNEL void advance(const InextensibilityLanes<W>& g, const double* l
     template void finish_sweep<W>(const InextensibilityLanes<W>&, double);                          \
     template void measure_sweeps<W>(const InextensibilityLanes<W>&, double, double*, double*);      \
     template void smooth_start<W>(const InextensibilityLanes<W>&, double, const double*);           \
-    template void dual_from_multipliers<W>(const InextensibilityLanes<W>&, double);                 \
+    template void resume_sweeps<W>(const InextensibilityLanes<W>&, double);                         \
     template void linearise<W>(const InextensibilityLanes<W>&, InextensibilityMeasure&);            \
     template void measure_affine<W>(const InextensibilityLanes<W>&, double*);                       \
     template void aim_at_centre<W>(const InextensibilityLanes<W>&, const double*);                  \

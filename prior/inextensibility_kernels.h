@@ -60,9 +60,9 @@ template <int W>
 void smooth_start(const InextensibilityLanes<W>& lanes, double penalty, const double* mu);
 template <int W>
 void measure_sweeps(const InextensibilityLanes<W>& lanes, double penalty, double* largest, double* overlength);
-/// `dual` from multipliers and positions of an earlier solution.
+/// As `begin_sweeps`, from the positions and multipliers of an earlier solution.
 template <int W>
-void dual_from_multipliers(const InextensibilityLanes<W>& lanes, double penalty);
+void resume_sweeps(const InextensibilityLanes<W>& lanes, double penalty);
 
 /// Residuals at (r, λ, s), the matrix, and in `step` the right-hand side of the affine step.
 template <int W>

@@ -38,13 +38,15 @@ class Group {
         : buffers_(buffers), g_(buffers.lanes), lane_(lane), options_(options), seconds_(seconds) {}
 
     void load();
-    void sweep(const InteriorPointStart& start);
+    void begin(const InteriorPointStart& start);
     void iterate(int budget);
 
   private:
+    void sweep(int count);
+    void recall();
     bool check(int iteration);
-    void step();
-    void finish(int l, Status status, double residual, int iterations);
+    void step(int iteration);
+    void finish(int l, Status status, int iterations);
     bool any_running() const {
         return std::any_of(running_.begin(), running_.end(), [](bool r) { return r; });
     }
@@ -60,10 +62,9 @@ class Group {
 };
 
 template <int W>
-void Group<W>::finish(int l, Status status, double residual, int iterations) {
+void Group<W>::finish(int l, Status status, int iterations) {
     Report& report = lane_[l].report;
     report.status = status;
-    report.residual = residual;
     report.iterations = iterations;
     buffers_.store_position(l, lane_[l].position);
     buffers_.store_multiplier(l, lane_[l].multiplier);
@@ -87,46 +88,53 @@ void Group<W>::load() {
     lap_.lap(seconds_.assembly);
 }
 
-/// First-order start: brings position, multipliers and slacks near the central path. A prediction that keeps its limits
+/// Brings position, multipliers and slacks near the central path. A prediction that keeps its limits
 /// is the answer.
 template <int W>
-void Group<W>::sweep(const InteriorPointStart& start) {
+void Group<W>::begin(const InteriorPointStart& start) {
     const double penalty = buffers_.shared.penalty;
     PerLane<W> largest, over, mu;
     begin_sweeps<W>(g_, penalty);
     measure_sweeps<W>(g_, penalty, largest.value, over.value);
-    bool warm = false;
     for (int l = 0; l < W; ++l) {
-        if (!running_[l]) continue;
-        warm = warm || lane_[l].warm;
-        if (over[l] > options_.tolerance) continue;
+        if (!running_[l] || over[l] > options_.tolerance) continue;
         std::copy_n(lane_[l].predicted, 3 * g_.vertex_count, lane_[l].position);
         std::fill_n(lane_[l].multiplier, g_.edge_count, 0.0);
         lane_[l].report.status = Status::converged;
-        lane_[l].report.residual = std::max(over[l], 0.0);
         running_[l] = false;
     }
-    if (any_running() && !warm)
-        for (int s = 0; s < start.sweeps; ++s) {
-            buffers_.shared.constant->template solve<W>(g_.step);
-            finish_sweep<W>(g_, penalty);
-            for (InextensibilityLane& lane : lane_) ++lane.report.sweeps;
-        }
-    if (warm) {
-        for (int l = 0; l < W; ++l)
-            if (running_[l] && lane_[l].warm) {
-                buffers_.load_position(l, lane_[l].position);
-                buffers_.load_multiplier(l, lane_[l].multiplier);
-            }
-        dual_from_multipliers<W>(g_, penalty);
-    }
+    if (!any_running()) return;
+    const bool warm = std::any_of(lane_.begin(), lane_.end(), [](const InextensibilityLane& l) { return l.warm; });
+    if (warm) recall();
+    if (!any_running()) return;
+    sweep(start.sweeps);
     measure_sweeps<W>(g_, penalty, largest.value, over.value);
-    for (int l = 0; l < W; ++l) {
-        const double scale = std::max(largest[l], 1e-12);
-        mu[l] = scale * std::clamp(0.2 * over[l], start.least_centre, 1.0);
-    }
+    for (int l = 0; l < W; ++l)
+        mu[l] = std::max(largest[l], 1e-12) * std::clamp(0.2 * over[l], start.least_centre, 1.0);
     smooth_start<W>(g_, penalty, mu.value);
     lap_.lap(seconds_.sweep);
+}
+
+template <int W>
+void Group<W>::sweep(int count) {
+    for (int s = 0; s < count; ++s) {
+        buffers_.shared.constant->template solve<W>(g_.step);
+        finish_sweep<W>(g_, buffers_.shared.penalty);
+    }
+    for (InextensibilityLane& lane : lane_) lane.report.sweeps += count;
+}
+
+/// Starts the sweeps from earlier solutions. One that still is the answer ends its lane.
+template <int W>
+void Group<W>::recall() {
+    for (int l = 0; l < W; ++l) {
+        if (!running_[l] || !lane_[l].warm) continue;
+        buffers_.load_position(l, lane_[l].position);
+        buffers_.load_multiplier(l, lane_[l].multiplier);
+    }
+    linearise<W>(g_, measure_);
+    check(0);
+    resume_sweeps<W>(g_, buffers_.shared.penalty);
 }
 
 /// Ends the lanes that have arrived or broken down; false when none is left.
@@ -138,27 +146,28 @@ bool Group<W>::check(int iteration) {
         const double residual = std::max(
             {measure_.overlength[l], measure_.stationarity[l] / scale, measure_.complementarity[l] / scale, 0.0});
         if (!std::isfinite(residual)) {
-            lane_[l].failed = true;
+            // Nothing of this lane can be used: its prediction stands, with no forces.
+            std::copy_n(lane_[l].predicted, 3 * g_.vertex_count, lane_[l].position);
+            std::fill_n(lane_[l].multiplier, g_.edge_count, 0.0);
+            lane_[l].report.status = Status::accuracy_not_reached;
+            lane_[l].report.iterations = iteration;
             running_[l] = false;
         } else if (residual <= options_.tolerance) {
-            finish(l, Status::converged, residual, iteration);
+            finish(l, Status::converged, iteration);
         } else if (iteration == options_.max_iterations) {
-            finish(l, Status::accuracy_not_reached, residual, iteration);
+            finish(l, Status::accuracy_not_reached, iteration);
         }
     }
     return any_running();
 }
 
 template <int W>
-void Group<W>::step() {
+void Group<W>::step(int iteration) {
     PerLane<W> inverse, centre, length, reach, trial_inverse, use_trial;
     const std::bitset<W> good = buffers_.cholesky.factor(g_.block);
     lap_.lap(seconds_.factor);
     for (int l = 0; l < W; ++l)
-        if (running_[l] && !good[l]) {
-            lane_[l].failed = true;
-            running_[l] = false;
-        }
+        if (running_[l] && !good[l]) finish(l, Status::accuracy_not_reached, iteration);
     buffers_.cholesky.solve(g_.step);
     lap_.lap(seconds_.solve);
     measure_affine<W>(g_, inverse.value);
@@ -206,7 +215,7 @@ void Group<W>::iterate(int budget) {
         linearise<W>(g_, measure_);
         lap_.lap(seconds_.assembly);
         if (!check(iteration) || iteration == budget) break;
-        step();
+        step(iteration);
     }
 }
 
@@ -217,7 +226,7 @@ void project_group(InextensibilityBuffers<W>& buffers, std::array<Inextensibilit
                    const InextensibilityOptions& options, const InteriorPointStart& start, StageSeconds& seconds) {
     Group<W> group(buffers, lane, options, seconds);
     group.load();
-    group.sweep(start);
+    group.begin(start);
     group.iterate(options.max_iterations);
 }
 

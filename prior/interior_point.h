@@ -13,8 +13,8 @@ struct StageSeconds {
 
 /// How `project_group` goes about it.
 struct InteriorPointStart {
-    int sweeps = 6;              ///< first-order sweeps before the interior point
-    double least_centre = 1e-2;  ///< smallest μ to start from, relative to the largest multiplier
+    int sweeps = 40;             ///< first-order sweeps before the interior point
+    double least_centre = 1e-5;  ///< smallest μ to start from, relative to the largest multiplier
 };
 
 /// One sample of a group: what goes in, where results go, what came of it.
@@ -23,8 +23,8 @@ struct InextensibilityLane {
     double* position = nullptr;         ///< `[V x 3]` out; with `warm` also in
     double* multiplier = nullptr;       ///< `[E]` out; with `warm` also in
     bool warm = false;
-    Report report{};
-    bool failed = false;  ///< broke down: not positive definite, or not a number
+    Report
+        report{};  ///< status, iterations and sweeps; the residual is for the caller to find out from what was written
 };
 
 /// Primal-dual interior point (Mehrotra's predictor and corrector, with one of Gondzio's centrality corrections) for W
