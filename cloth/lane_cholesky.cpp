@@ -15,30 +15,35 @@ using panel::OneSample;
 using panel::SolveTask;
 using panel::UpdateTask;
 
-/// One instruction set's loops. Choosing among tables instead of letting the loader choose (TOILE_LANE_KERNEL) gives
-/// each set its own register width and tile.
+/// One instruction set's loops. Choosing among tables instead of letting the
+/// loader choose (TOILE_LANE_KERNEL) gives each set its own register width and
+/// tile.
 struct Kernels {
+    void (*fill)(const BlockSymbolic::Entry* entry, int count, const double* blocks, double* panel, int width);
     void (*update)(const UpdateTask&);
     unsigned (*factor)(double* panel, int width, int height);
     void (*forward)(const SolveTask&, double* x);
     void (*backward)(const SolveTask&, double* x);
 };
 
-#define TOILE_KERNELS(NAME, TARGET, SAMPLES, ROWS, SOLVE, SOLVE_ROWS, SOLVE_COLUMNS) \
-    namespace NAME {                                                                 \
-    TARGET void update(const UpdateTask& task) {                                     \
-        panel::update_panel<SAMPLES, ROWS>(task);                                    \
-    }                                                                                \
-    TARGET unsigned factor(double* panel, int width, int height) {                   \
-        return lane_bits(panel::factor_panel<SAMPLES, ROWS>(panel, width, height));  \
-    }                                                                                \
-    TARGET void forward(const SolveTask& t, double* x) {                             \
-        panel::solve_forward<SOLVE, SOLVE_ROWS>(t, x);                               \
-    }                                                                                \
-    TARGET void backward(const SolveTask& t, double* x) {                            \
-        panel::solve_backward<SOLVE, SOLVE_COLUMNS>(t, x);                           \
-    }                                                                                \
-    constexpr Kernels table{update, factor, forward, backward};                      \
+#define TOILE_KERNELS(NAME, TARGET, SAMPLES, ROWS, SOLVE, SOLVE_ROWS, SOLVE_COLUMNS)                                 \
+    namespace NAME {                                                                                                 \
+    TARGET void fill(const BlockSymbolic::Entry* entry, int count, const double* blocks, double* panel, int width) { \
+        panel::fill_panel<SAMPLES>(entry, count, blocks, panel, width);                                              \
+    }                                                                                                                \
+    TARGET void update(const UpdateTask& task) {                                                                     \
+        panel::update_panel<SAMPLES, ROWS>(task);                                                                    \
+    }                                                                                                                \
+    TARGET unsigned factor(double* panel, int width, int height) {                                                   \
+        return lane_bits(panel::factor_panel<SAMPLES, ROWS>(panel, width, height));                                  \
+    }                                                                                                                \
+    TARGET void forward(const SolveTask& t, double* x) {                                                             \
+        panel::solve_forward<SOLVE, SOLVE_ROWS>(t, x);                                                               \
+    }                                                                                                                \
+    TARGET void backward(const SolveTask& t, double* x) {                                                            \
+        panel::solve_backward<SOLVE, SOLVE_COLUMNS>(t, x);                                                           \
+    }                                                                                                                \
+    constexpr Kernels table{fill, update, factor, forward, backward};                                                \
     }
 
 #if defined(__x86_64__)
@@ -83,18 +88,6 @@ void backward_one_side(const SolveTask& t, double* x) {
 template <int W>
 constexpr std::size_t column_size = W == 1 ? OneSample::column : EightSamples<Lane8>::column;
 
-template <int W>
-void add_entry(const BlockSymbolic::Entry& entry, const double* blocks, double* panel, int width) {
-    constexpr std::size_t column = column_size<W>;
-    const double* block = blocks + 9L * W * entry.slot;
-    double* place = panel + (static_cast<std::size_t>(entry.row) * width + entry.column) * 3 * column;
-    for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c) {
-            const double* value = block + (entry.transposed ? 3 * c + r : 3 * r + c) * W;
-            for (int lane = 0; lane < W; ++lane) place[c * column + r * W + lane] = value[lane];
-        }
-}
-
 }  // namespace
 
 template <int W>
@@ -138,8 +131,8 @@ std::bitset<W> LaneCholesky<W>::factor(const double* blocks) {
         const auto& target = symbolic.supernode()[j];
         double* const panel = storage.panel.data() + storage.panel_start[j];
         std::memset(panel, 0, sizeof(double) * 3 * column_size<W> * target.width() * target.height());
-        for (int e = target.entry_begin; e < target.entry_end; ++e)
-            add_entry<W>(symbolic.entry()[e], blocks, panel, target.width());
+        storage.kernels.fill(symbolic.entry().data() + target.entry_begin, target.entry_end - target.entry_begin,
+                             blocks, panel, target.width());
         for (int u = target.update_begin; u < target.update_end; ++u) {
             const auto& update = symbolic.update()[u];
             const auto& source = symbolic.supernode()[update.descendant];
