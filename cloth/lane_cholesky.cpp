@@ -15,9 +15,8 @@ using panel::OneSample;
 using panel::SolveTask;
 using panel::UpdateTask;
 
-/// One instruction set's loops. Choosing among tables instead of letting the
-/// loader choose (TOILE_LANE_KERNEL) gives each set its own register width and
-/// tile.
+/// One instruction set's loops. Choosing among tables instead of letting the loader choose (TOILE_LANE_KERNEL) gives
+/// each set its own register width and tile.
 struct Kernels {
     void (*fill)(const BlockSymbolic::Entry* entry, int count, const double* blocks, double* panel, int width);
     void (*update)(const UpdateTask&);

@@ -3,14 +3,12 @@
 #include "cloth/block_symbolic.h"
 #include "cloth/lane.h"
 
-/// Inner loops of `LaneCholesky` on panels: the columns of one supernode,
-/// stored by block row. A block row holds, for each scalar column, the three
-/// scalar rows: `[3 width][3][8]` for eight samples, `[3 width][4]` for one
-/// (three rows and a zero, so that a column of a block is one register of
-/// four). Diagonal blocks hold reciprocal pivots.
+/// Inner loops of `LaneCholesky` on panels: the columns of one supernode, stored by block row. A block row holds, for
+/// each scalar column, the three scalar rows: `[3 width][3][8]` for eight samples, `[3 width][4]` for one (three rows
+/// and a zero, so that a column of a block is one register of four). Diagonal blocks hold reciprocal pivots.
 ///
-/// Everything is always_inline, so that it is compiled for the instruction set
-/// of the function that it ends up in; V is that set's widest register.
+/// Everything is always_inline, so that it is compiled for the instruction set of the function that it ends up in; V is
+/// that set's widest register.
 namespace toile::panel {
 
 using Four = double __attribute__((vector_size(32)));
@@ -27,8 +25,7 @@ template <class V>
     __builtin_memcpy(p, &v, sizeof(V));
 }
 
-/// Keeps the compiler from reading v from memory again at each use: more loads
-/// than the processor does in the time.
+/// Keeps the compiler from reading v from memory again at each use: more loads than the processor does in the time.
 template <class V>
 [[gnu::always_inline]] inline void hold_in_register([[maybe_unused]] V& v) {
 #if defined(__x86_64__)
@@ -36,8 +33,7 @@ template <class V>
 #endif
 }
 
-/// Eight samples: three registers for a block's column (times `passes` where a
-/// register has fewer than eight lanes).
+/// Eight samples: three registers for a block's column (times `passes` where a register has fewer than eight lanes).
 template <class V>
 struct EightSamples {
     using Vector = V;
@@ -96,9 +92,8 @@ template <class S>
     }
 }
 
-/// c_i -= a_i bᵀ for ROWS blocks c_i of one block column; a_i and b are `depth`
-/// scalar columns long. If `pivot` is given, the blocks are then divided by
-/// that diagonal block: c_i ← c_i L⁻ᵀ.
+/// c_i -= a_i bᵀ for ROWS blocks c_i of one block column; a_i and b are `depth` scalar columns long. If `pivot` is
+/// given, the blocks are then divided by that diagonal block: c_i ← c_i L⁻ᵀ.
 template <class S, int ROWS>
 [[gnu::always_inline]] inline void tile(double* const* c, const double* const* a, const double* b, int depth,
                                         const double* pivot) {
@@ -139,8 +134,8 @@ template <class S, int ROWS>
     }
 }
 
-/// Cholesky of a diagonal block, in place; returns the mask of lanes with
-/// positive pivots. A pivot that is not is replaced by 1.
+/// Cholesky of a diagonal block, in place; returns the mask of lanes with positive pivots. A pivot that is not is
+/// replaced by 1.
 template <class S>
 [[gnu::always_inline]] inline LaneMask<S::lanes> factor_diagonal(double* block) {
     constexpr int W = S::lanes;
@@ -169,8 +164,7 @@ template <class S>
     return good0 & good1 & good2;
 }
 
-/// Where an update goes: from rows [first, height) of a descendant's panel into
-/// another panel.
+/// Where an update goes: from rows [first, height) of a descendant's panel into another panel.
 struct UpdateTask {
     const double* source;
     int source_width;  // block columns
@@ -189,8 +183,7 @@ template <class S, int ROWS>
         a[k] = t.source + (i + k) * source_row;
         row[k] = t.panel + t.target[i + k - t.first] * target_row;
     }
-    // Tiles above the diagonal are computed where ROWS takes them along; nobody
-    // reads them.
+    // Tiles above the diagonal are computed where ROWS takes them along; nobody reads them.
     const int end = i + ROWS < t.last ? i + ROWS : t.last;
     for (int j = t.first; j < end; ++j) {
         double* c[ROWS];
@@ -222,8 +215,7 @@ template <class S, int ROWS>
     }
 }
 
-/// Cholesky of an updated panel; returns the mask of lanes with positive
-/// pivots.
+/// Cholesky of an updated panel; returns the mask of lanes with positive pivots.
 template <class S, int ROWS>
 [[gnu::always_inline]] inline LaneMask<S::lanes> factor_panel(double* panel, int width, int height) {
     const long row = 3L * width * S::column;
