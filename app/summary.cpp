@@ -62,7 +62,9 @@ void print_projection(const generate::ProjectSummary& s, const std::string& path
     }
     if (s.gradient && s.samples > 0) {
         say("  gradient         {:.3f} ms a sample", 1e3 * s.backward / n);
-        if (s.at_kink > 0) say("  at a kink        {} samples: their gradient is one-sided", s.at_kink);
+        if (s.near_kink > 0)
+            say("  near a kink      {} samples: taut edges almost without force, the gradient may be one-sided",
+                s.near_kink);
     }
     say("  time             {:.2f} s in all", s.seconds);
 }

@@ -105,10 +105,11 @@ void count_backward(const Run& run, const Batch& batch) {
             continue;
         }
         if (one.status != prior::Status::converged)
-            run.fail(sample, fmt::format("has a gradient that is not accurate: linear residual {:.2e}", one.linear_residual));
+            run.fail(sample,
+                     fmt::format("has a gradient that is not accurate: linear residual {:.2e}", one.linear_residual));
         if (!one.positive_definite) run.fail(sample, "has a gradient in doubt: the Hessian is not positive definite");
         const bool one_sided = one.weakly_active > 0 || one.active_set_distance <= run.config.tolerance();
-        run.summary.at_kink += run.config.prior == Prior::inextensibility && one_sided;
+        run.summary.near_kink += run.config.prior == Prior::inextensibility && one_sided;
     }
 }
 
@@ -155,7 +156,7 @@ void report_progress(const Run& run) {
     if (!run.options.progress) return;
     const auto whole = [](int64_t count) { return static_cast<int>(std::min<int64_t>(count, 1 << 30)); };
     run.options.progress({"projecting", whole(run.summary.samples), whole(run.problem.sample_count()),
-                          whole(static_cast<int64_t>(run.summary.failed.size()))});
+                          whole(run.summary.samples - run.summary.converged)});
 }
 
 }  // namespace

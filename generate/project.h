@@ -35,7 +35,8 @@ struct ProjectSummary {
     // Sums over the samples of the times in their reports [s].
     double forward = 0, sweep = 0, assembly = 0, factor = 0, solve = 0, backward = 0;
     bool gradient = false;
-    std::int64_t at_kink = 0;  ///< samples whose active set changes within the tolerance: their gradient is one-sided
+    std::int64_t near_kink =
+        0;  ///< samples with weakly active edges, or an active set that changes within the tolerance
 };
 
 /// Runs a prior over a problem file and writes a projection file (contract), whole or not at all; memory does not grow

@@ -185,6 +185,21 @@ TEST_F(ConfigFileTest, LaysOverridesOverTheFile) {
     EXPECT_EQ(read("[body]\n", {"body.count=3", "body.count=4"}).count, 4);
 }
 
+TEST_F(ConfigFileTest, OverridesAloneMakeAConfiguration) {
+    const ConfigFile config({"body.height=1.5", "body.name=alone"});
+    const Options o = bind(config);
+    EXPECT_EQ(o.height, 1.5);
+    EXPECT_EQ(o.name, "alone");
+    EXPECT_EQ(o.count, 12);
+    EXPECT_THAT(config.resolved(ConfigFile::Paths::written), HasSubstr("height = 1.5"));
+    try {
+        bind(ConfigFile({"body.hight=1.5"}));
+        ADD_FAILURE() << "an unknown key was read";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.where(), "--set body.hight");
+    }
+}
+
 TEST_F(ConfigFileTest, RefusesBadOverrides) {
     EXPECT_THAT(error("[body]\n", {"body.height=9"}), HasSubstr("(--set body.height)"));
     EXPECT_THAT(error("[body]\n", {"body.hieght=1.8"}), HasSubstr("unknown key body.hieght (--set body.hieght)"));

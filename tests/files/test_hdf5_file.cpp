@@ -112,6 +112,21 @@ TEST_F(Hdf5FileTest, RowsGrowAndUnwrittenRowsAreZero) {
     EXPECT_THAT(error_of([&] { again.read_rows<float>("/samples/image", 3, 2); }).what(), HasSubstr("no rows 3 to 4"));
 }
 
+TEST_F(Hdf5FileTest, ManyRowsAreWrittenAtOnce) {
+    Hdf5File file = Hdf5File::create(path());
+    file.create_rows<double>("/samples/position", 3, {2}, 0);
+    file.create_rows<int>("/samples/count", 3, {}, 0);
+    file.write_rows("/samples/position", 1, 2, std::vector<double>{1, 2, 3, 4}.data());
+    file.write_rows("/samples/count", 2, 3, std::vector<int>{7, 8, 9}.data());
+    file.write_rows("/samples/count", 0, 0, static_cast<const int*>(nullptr));
+    EXPECT_THAT(error_of([&] { file.write_rows("/samples/count", -1, 1, std::vector<int>{1}.data()); }).what(),
+                HasSubstr("no row -1"));
+    file.close();
+    const Hdf5File again = Hdf5File::open(path());
+    EXPECT_EQ(again.read<double>("/samples/position").value, (std::vector<double>{0, 0, 1, 2, 3, 4}));
+    EXPECT_EQ(again.read<int>("/samples/count").value, (std::vector<int>{0, 0, 7, 8, 9}));
+}
+
 TEST_F(Hdf5FileTest, EmptyDatasetsAndSingleValues) {
     Hdf5File file = Hdf5File::create(path());
     file.write("/a/empty", std::vector<float>{}, {0, 3}, {4, {}});
