@@ -7,8 +7,11 @@
 namespace toile::prior {
 namespace {
 
-constexpr double kWeak = 1e-8;     // relative length and force below which an edge counts as weakly active
-constexpr double kShift = 1e-8;    // in units of the mean stiffness
+constexpr double kWeak = 1e-8;  // relative length and force below which an edge counts as weakly active
+// Shifts in units of the mean stiffness. Along multipliers (1, −n), the size against which a redundancy is told from a
+// mere poor condition; across them, where S has full rank and the iteration makes good for any shift, and along ψ ~
+// (1, −n), which no right-hand side reaches, larger ones, so that pivots lose few digits.
+constexpr double kShift = 1e-5, kShiftAcross = 1e-3, kShiftUnreached = 1.0;
 constexpr double kSolved = 1e-14;  // relative residual
 constexpr double kTrusted = 1e-8;  // relative residual up to which a derivative counts as converged
 constexpr int kMaxIterations = 100;
@@ -31,20 +34,18 @@ TautEdges find_taut_edges(const InextensibilityModel& model, std::span<const dou
     const ConstPoints r(position.data(), model.vertex_count, 3);
     const int edges = static_cast<int>(model.edge.rows());
     TautEdges taut;
-    taut.distance = std::numeric_limits<double>::infinity();
     const double largest = edges > 0 ? view(multiplier).maxCoeff() : 0.0;
     for (int e = 0; e < edges; ++e) {
         const double length = edge_vector(model, r, e).norm(), limit = model.edge_max_length[e];
         const double k_a = model.target_stiffness[model.edge(e, 0)], k_b = model.target_stiffness[model.edge(e, 1)];
-        const bool weak = multiplier[e] <= kWeak * largest;
-        const double slack = std::max(0.0, 1.0 - length / limit);
-        if (weak && slack <= kWeak) ++taut.weakly_active;
-        if (!weak && multiplier[e] > k_a / (k_a + k_b) * k_b * (limit - length)) {
+        const double force = largest > 0.0 ? multiplier[e] / largest : 0.0;
+        const double clear = std::max(force, 1.0 - length / limit);
+        if (clear <= kWeak) {
+            ++taut.weakly_active;
+        } else if (force > kWeak && multiplier[e] > k_a / (k_a + k_b) * k_b * (limit - length)) {
             taut.edge.push_back(e);
-            taut.distance = std::min(taut.distance, multiplier[e] / largest);
-        } else {
-            taut.distance = std::min(taut.distance, slack);
         }
+        taut.distance = std::min(taut.distance, std::max(clear, 0.0));
     }
     return taut;
 }
@@ -77,10 +78,15 @@ void ConeDerivative::assemble(const InextensibilityModel& model, std::span<const
             for (int d = 0; d <= c; ++d)  // ZS_e
                 entry.emplace_back(psi + 1 + c, psi + 1 + d, stiffness * ((c == d ? 1.0 : 0.0) - n[c] * n[d]));
         }
+        Eigen::Vector4d pull;
+        pull << 1.0, -n;
+        const Eigen::Matrix4d along = 0.5 * pull * pull.transpose(), across = Eigen::Matrix4d::Identity() - along;
         for (int c = 0; c < 4; ++c) {
             entry.emplace_back(psi + c, z + c, 1.0);
-            shift.emplace_back(z + c, z + c, -kShift);
-            shift.emplace_back(psi + c, psi + c, kShift);
+            for (int d = 0; d <= c; ++d) {
+                shift.emplace_back(z + c, z + d, -kShift * along(c, d) - kShiftAcross * across(c, d));
+                shift.emplace_back(psi + c, psi + d, kShiftUnreached * along(c, d) + kShiftAcross * across(c, d));
+            }
         }
     }
     matrix_.resize(size, size);

@@ -12,8 +12,8 @@ namespace toile::prior {
 /// What the edges of a solution do.
 struct TautEdges {
     std::vector<int> edge;  ///< those that carry a multiplier, rising
-    int weakly_active = 0;  ///< at their limit to 1e-8 of it, with a multiplier below 1e-8 of the largest
-    double distance = 0;    ///< smallest of λ_e / max λ over `edge` and 1 − l_e / l_e^max over the others
+    int weakly_active = 0;  ///< those without force at their limit: λ_e / max λ and 1 − l_e / l_e^max both below 1e-8
+    double distance = 1;    ///< smallest, over the edges, of the larger of these two ratios
 };
 
 /// An edge counts as taut where λ_e > κ_e (l_e^max − l_e) with κ_e = k_a k_b / (k_a + k_b), so that neither a loosely

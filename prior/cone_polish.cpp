@@ -8,7 +8,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kCompliance = 1e-9;  // δ
+constexpr double kCompliance = 1e-6;  // δ, over the largest λ_e / l_e^max where that is above the mean stiffness
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
@@ -23,14 +23,17 @@ void ConePolish::assemble(const Eigen::VectorXd& u, const Eigen::VectorXd& lambd
     active_.assign(static_cast<size_t>(edge.rows()), 0);
     right_.setZero(kkt_.size());
     for (Eigen::Index i = 0; i < u.size(); ++i) right_[i] = -program_.stiffness[i / 3] * u[i];
+    const double largest = lambda.maxCoeff();
+    const double compliance = kCompliance / std::max(1.0, lambda.cwiseQuotient(program_.limit).maxCoeff());
     kkt_.begin(program_.stiffness);
     for (Eigen::Index e = 0; e < edge.rows(); ++e) {
         const Eigen::Index a = 3 * edge(e, 0), b = 3 * edge(e, 1);
         const Eigen::Vector3d vector = program_.edge_vector.col(e) + u.segment<3>(a) - u.segment<3>(b);
         length_[e] = vector.norm();
         const double k_a = program_.stiffness[edge(e, 0)], k_b = program_.stiffness[edge(e, 1)];
-        const double force_to_reach = k_a * k_b / (k_a + k_b) * (program_.limit[e] - length_[e]);
-        if (!(length_[e] > 0.0) || lambda[e] <= force_to_reach) {
+        double stiffness = k_a * k_b / (k_a + k_b);
+        if (by_largest_) stiffness = std::max(stiffness, largest / program_.limit[e]);
+        if (!(length_[e] > 0.0) || lambda[e] <= stiffness * (program_.limit[e] - length_[e])) {
             kkt_.set_edge(e, 0.0, Eigen::Vector3d::Zero(), 1.0);
             continue;
         }
@@ -38,7 +41,7 @@ void ConePolish::assemble(const Eigen::VectorXd& u, const Eigen::VectorXd& lambd
         direction_.col(e) = vector / length_[e];
         // Along n_e, λ/l (I − n nᵀ) has no stiffness; where the row fixes the length it may as well have λ/l, which
         // leaves one scalar for each edge. `step` takes it out of dλ again.
-        kkt_.set_edge(e, lambda[e] / length_[e], direction_.col(e), kCompliance);
+        kkt_.set_edge(e, lambda[e] / length_[e], direction_.col(e), compliance);
         right_.segment<3>(a) -= lambda[e] * direction_.col(e);
         right_.segment<3>(b) += lambda[e] * direction_.col(e);
         right_[u.size() + e] = program_.limit[e] - length_[e];

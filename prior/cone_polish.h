@@ -20,7 +20,8 @@ namespace toile::prior {
 /// are redundant, and costs only speed of convergence elsewhere.
 class ConePolish {
   public:
-    ConePolish(ConeKkt& kkt, const ConeProgram& program) : kkt_(kkt), program_(program) {}
+    ConePolish(ConeKkt& kkt, const ConeProgram& program, bool by_largest)
+        : kkt_(kkt), program_(program), by_largest_(by_largest) {}
 
     /// One step from `u` `[3V]`, `lambda` `[E]`, with multipliers >= 0 after it. False if the factorisation broke down.
     bool step(Eigen::VectorXd& u, Eigen::VectorXd& lambda, Report& report);
@@ -30,6 +31,7 @@ class ConePolish {
 
     ConeKkt& kkt_;
     const ConeProgram& program_;
+    bool by_largest_;
     Eigen::Matrix3Xd direction_;  // n_e
     std::vector<char> active_;    // of A
     Eigen::VectorXd length_;      // l_e

@@ -15,7 +15,7 @@ namespace toile::prior {
 ///
 /// This differs from the paper's Equation 3 in one point: the objective stays quadratic instead of being put into a
 /// cone of 3V+1 dimensions with a variable t. Both have the same r*. From (r*, λ) here follows the paper's solution:
-/// t = |(√k_i u_i)|, z_0 = (1, −√k_i u_i / t), z_e = (λ_e, −λ_e n_e) / t, y_e = −z_e⁰, and the paper's Equation 7
+/// t = |(√k_i u_i)|, z_0 = (1, −√k_i u_i / t), z_e = (λ_e, −λ_e n_e) / t, y_e = z_e⁰, and the paper's Equation 7
 /// gives the same dr (tests/prior/test_cone_derivative.cpp checks both). The large cone costs accuracy near t = 0 (a
 /// prediction that is nearly feasible), where its multipliers λ_e / t are ratios of vanishing numbers, and its scaling
 /// is dense; nothing is gained by it.

@@ -27,7 +27,7 @@ ConeSolver::Workspace::Workspace(Workspace&&) noexcept = default;
 namespace {
 
 constexpr double kFirstPolish = 1e-5;  // residual at which Newton's method on the taut edges is first tried
-constexpr int kPolishSteps = 8;
+constexpr int kPolishSteps = 30;
 constexpr double kRounding = 1e-15;  // stretch of a prediction that is at its limits
 constexpr double kPolished = 1e-13;  // residual below which nothing is left to gain
 
@@ -103,9 +103,9 @@ class Best {
 };
 
 /// Newton steps from an interior point, as long as they gain.
-void polish(const ConeProgram& program, ConeKkt& kkt, Eigen::VectorXd u, Eigen::VectorXd lambda, Best& best,
-            Report& report) {
-    ConePolish newton(kkt, program);
+void polish(const ConeProgram& program, ConeKkt& kkt, Eigen::VectorXd u, Eigen::VectorXd lambda, bool by_largest,
+            Best& best, Report& report) {
+    ConePolish newton(kkt, program, by_largest);
     double smallest = std::numeric_limits<double>::infinity();
     int failures = 0;
     for (int k = 0; k < kPolishSteps && failures < 3 && best.residual() > kPolished; ++k) {
@@ -124,17 +124,21 @@ void solve(const ConeProgram& program, ConeInteriorPoint& interior_point, ConeIt
     if (!interior_point.start(program, iterate, report)) return;
     Eigen::VectorXd lambda;
     double next_polish = kFirstPolish;
-    for (;;) {
+    bool by_largest = true;
+    for (bool going = true; going;) {
         multipliers_of(iterate, lambda);
         const double residual = best.consider(program, iterate.u, lambda);
         if (residual <= next_polish) {
-            polish(program, interior_point.kkt(), iterate.u, lambda, best, report);
+            polish(program, interior_point.kkt(), iterate.u, lambda, by_largest, best, report);
+            by_largest = !by_largest;
             next_polish = 0.1 * residual;
         }
         if (best.residual() <= options.tolerance || report.iterations >= options.max_iterations) return;
         ++report.iterations;
-        if (!interior_point.step(program, iterate, report)) return;
+        going = interior_point.step(program, iterate, report);
     }
+    for (int k = 0; k < 2 && best.residual() > options.tolerance; ++k)
+        polish(program, interior_point.kkt(), iterate.u, lambda, k == 0, best, report);
 }
 
 }  // namespace
