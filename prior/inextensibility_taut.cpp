@@ -5,6 +5,8 @@ namespace toile::prior {
 namespace {
 
 constexpr double tiny = 1e-150;
+/// A multiplier below this share of the largest is rounding, and the edge free.
+constexpr double nothing = 1e-8;
 
 }  // namespace
 
@@ -22,8 +24,8 @@ TOILE_LANE_KERNEL void find_taut(const InextensibilityLanes<W>& g, const double*
         const Lane<W> lambda = load_lanes<W>(g.multiplier + e * W);
         const Lane<W> force = lambda * inverse;
         const Lane<W> slack = lane_max(zero, 1.0 - l * (1.0 / g.limit[e]));
-        const LaneMask<W> is_taut = lane_less(slack, force);
         const Lane<W> clear = lane_max(force, slack);
+        const LaneMask<W> is_taut = lane_less(slack, force) & lane_less(lane_broadcast<W>(nothing), force);
         const Lane<W> t = lane_select(is_taut, lambda * per_length, zero);
         taut = taut + lane_select(is_taut, one, zero);
         weak = weak + lane_select(lane_less(clear, lane_broadcast<W>(weak_below)), one, zero);
