@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+
+#include "cloth/types.h"
+
+namespace toile::bench {
+
+/// The unit of the speed table: one numeric CHOLMOD factorisation of a 3V x 3V Hessian on a mesh graph, one thread.
+class FactorisationUnit {
+  public:
+    enum class Settings {
+        cholmod_default,  ///< CHOLMOD as `cholmod_start` leaves it: the unit that the table counts in
+        toile             ///< as in `cloth/sparse_cholesky.h`: AMD, wider supernodes
+    };
+    /// `edge` `[E x 2]`, `position` `[V x 3]`: the matrix is 1 + Σ_e (n nᵀ + 0.3 (1 − n nᵀ)) ⊗ (edge Laplacian).
+    FactorisationUnit(const Edges& edge, const Positions& position, Settings settings);
+    ~FactorisationUnit();
+    FactorisationUnit(FactorisationUnit&&) noexcept;
+
+    /// One numeric factorisation. False if it failed: it must not be timed then.
+    bool factor();
+    /// Relative residual of a solve with the factor: shows that it is one.
+    double solve_error();
+    /// What CHOLMOD chose.
+    const char* ordering() const;
+    bool supernodal() const;
+    double factor_nonzeros() const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace toile::bench
