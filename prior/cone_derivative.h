@@ -16,8 +16,8 @@ struct TautEdges {
     double distance = 1;    ///< smallest, over the edges, of the larger of these two ratios
 };
 
-/// An edge counts as taut where λ_e > κ_e (l_e^max − l_e) with κ_e = k_a k_b / (k_a + k_b), so that neither a loosely
-/// converged multiplier nor a loosely converged length decides alone.
+/// An edge counts as taut where its force, relative to the largest, exceeds its relative slack, and as weakly active
+/// where neither exceeds 1e-8: so neither a loosely converged multiplier nor a loosely converged length decides alone.
 TautEdges find_taut_edges(const InextensibilityModel& model, std::span<const double> position,
                           std::span<const double> multiplier);
 
@@ -49,17 +49,19 @@ class ConeDerivative {
                              std::span<double> position_change);
 
   private:
-    void assemble(const InextensibilityModel& model, std::span<const double> position,
-                  std::span<const double> multiplier);
+    void assemble(std::span<const double> position, std::span<const double> multiplier);
     /// Solves for `solution_` from `right_`; the relative residual, of the part that can be met if `inconsistent`.
     double solve(bool inconsistent);
+    /// Updates `residual_`.
+    double error_of(double size, bool inconsistent);
     DerivativeReport report_of(double residual) const;
 
     const InextensibilityModel& model_;
     double stiffness_unit_ = 1.0;
     TautEdges taut_;
-    SparseMatrix matrix_;   // lower triangle of the system, without the shift
-    SparseMatrix shifted_;  // with it
+    double stiffest_ = 1.0;        // largest λ_e / l_e^max, at least 1, in units of the mean stiffness
+    SparseMatrix matrix_;          // lower triangle of the system, without shift
+    SparseMatrix along_, across_;  // shifts: along multipliers, of size 1; elsewhere, as they are used
     Eigen::VectorXd right_, solution_, residual_, correction_;
 };
 
