@@ -62,7 +62,7 @@ class BlockSymbolic {
     /// The vertex at each position.
     const std::vector<int>& vertex() const { return vertex_; }
     /// No supernode has more columns.
-    static constexpr int max_width = 16;
+    static constexpr int max_width = 20;
 
   private:
     void find_supernodes();

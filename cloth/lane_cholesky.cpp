@@ -123,6 +123,18 @@ LaneCholesky<W>& LaneCholesky<W>::operator=(LaneCholesky&&) noexcept = default;
 
 template <int W>
 std::bitset<W> LaneCholesky<W>::factor(const double* blocks) {
+    return factor_forward(blocks, nullptr);
+}
+
+template <int W>
+std::bitset<W> LaneCholesky<W>::factor_and_solve(const double* blocks, double* x) {
+    const std::bitset<W> good = factor_forward(blocks, x);
+    solve_backward(x);
+    return good;
+}
+
+template <int W>
+std::bitset<W> LaneCholesky<W>::factor_forward(const double* blocks, double* x) {
     const BlockSymbolic& symbolic = *symbolic_;
     Storage& storage = *storage_;
     unsigned good = (1u << W) - 1;
@@ -145,15 +157,22 @@ std::bitset<W> LaneCholesky<W>::factor(const double* blocks) {
                                     .width = target.width()});
         }
         good &= storage.kernels.factor(panel, target.width(), target.height());
+        if (x) storage.kernels.forward(storage.solve_task(symbolic, j), x);
     }
     return std::bitset<W>(good);
 }
 
 template <int W>
 void LaneCholesky<W>::solve(double* x) const {
-    const std::size_t count = symbolic_->supernode().size();
-    for (std::size_t s = 0; s < count; ++s) storage_->kernels.forward(storage_->solve_task(*symbolic_, s), x);
-    for (std::size_t s = count; s-- > 0;) storage_->kernels.backward(storage_->solve_task(*symbolic_, s), x);
+    for (std::size_t s = 0; s < symbolic_->supernode().size(); ++s)
+        storage_->kernels.forward(storage_->solve_task(*symbolic_, s), x);
+    solve_backward(x);
+}
+
+template <int W>
+void LaneCholesky<W>::solve_backward(double* x) const {
+    for (std::size_t s = symbolic_->supernode().size(); s-- > 0;)
+        storage_->kernels.backward(storage_->solve_task(*symbolic_, s), x);
 }
 
 template <int W>

@@ -35,6 +35,10 @@ class LaneCholesky {
     /// Solves A x = b with the last factor, in place; x is `[V][3][W]`. Two threads may solve at once.
     void solve(double* x) const;
 
+    /// `factor`, then `solve`, with the same results to the last bit: half of the solving is done while the factor is
+    /// still in the cache.
+    std::bitset<W> factor_and_solve(const double* blocks, double* x);
+
     /// As `solve` for `count` right-hand sides of the one matrix; x is `[V][3][count]`, with no demand on alignment.
     void solve_many(double* x, int count) const requires(W == 1);
 
@@ -44,6 +48,10 @@ class LaneCholesky {
 
   private:
     struct Storage;
+    /// Factors and, where x is given, solves with L on the way.
+    std::bitset<W> factor_forward(const double* blocks, double* x);
+    void solve_backward(double* x) const;
+
     std::shared_ptr<const BlockSymbolic> symbolic_;
     std::unique_ptr<Storage> storage_;
 };

@@ -48,7 +48,6 @@ struct EightSamples {
     [[gnu::always_inline]] static void store_row(double* x, const V* row) {
         for (int r = 0; r < 3; ++r) store<V>(x + 8 * r, row[r]);
     }
-    [[gnu::always_inline]] static void add_sum(double* y, V sum) { store<V>(y, load<V>(y) + sum); }
 };
 
 /// One sample: one register of four for a block's column.
@@ -65,7 +64,6 @@ struct OneSample {
     [[gnu::always_inline]] static void store_row(double* x, const Four* row) {
         for (int r = 0; r < 3; ++r) x[r] = row[0][r];
     }
-    [[gnu::always_inline]] static void add_sum(double* y, Four sum) { *y += (sum[0] + sum[1]) + (sum[2] + sum[3]); }
 };
 
 /// The same where a register has no four lanes.

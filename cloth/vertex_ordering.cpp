@@ -40,7 +40,7 @@ class Dissection {
             const std::vector<char> split = separate(induced_graph(vertices));
             for (size_t k = 0; k < vertices.size(); ++k) side[static_cast<int>(split[k])].push_back(vertices[k]);
         }
-        if (side[0].empty() || side[1].empty()) {
+        if (side[0].empty() || side[1].empty() || 3 * side[2].size() > vertices.size()) {
             for (int v : vertices) part_[v] = part_count_;
             ++part_count_;
             return;

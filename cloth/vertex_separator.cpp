@@ -131,7 +131,7 @@ bool refine_once(const WeightedGraph& graph, Split& split) {
     const auto first_cost = split.cost();
     auto best_cost = first_cost;
     size_t best_length = 0;
-    const int patience = 30 + static_cast<int>(members.size()) / 2;
+    const int patience = 30 + std::min(static_cast<int>(members.size()) / 2, 200);
     for (int idle = 0; idle < patience; ++idle) {
         int best = -1;
         char best_side = 0;
@@ -226,7 +226,8 @@ Split split_graph(const WeightedGraph& graph) {
     split.part.resize(n);
     for (int v = 0; v < n; ++v) split.part[v] = found.part[coarse_of[v]];
     split.weigh(graph);
-    refine(graph, split);
+    // Where no small separator is in sight, moves would take long and not bring one.
+    if (3 * split.weight[2] < total) refine(graph, split);
     return split;
 }
 

@@ -86,6 +86,21 @@ TEST_P(LaneCholeskyGraph, ManyRightHandSidesAreSolvedAsOneByOne) {
     }
 }
 
+TEST_P(LaneCholeskyGraph, FactorsAndSolvesInOne) {
+    const auto symbolic = analyse(GetParam());
+    const size_t n = 3 * static_cast<size_t>(symbolic->vertex_count());
+    std::vector<std::vector<double>> single;
+    LaneArray blocks = eight_matrices(*symbolic, single);
+    blocks[4] = -1.0;  // lane 4 is not positive definite
+    LaneArray x = random_array(8 * n, 3), y = random_array(8 * n, 3);
+    LaneCholesky<8> cholesky(symbolic);
+    const std::bitset<8> good = cholesky.factor(blocks.data());
+    cholesky.solve(x.data());
+    EXPECT_EQ(good, std::bitset<8>("11101111"));
+    EXPECT_EQ(LaneCholesky<8>(symbolic).factor_and_solve(blocks.data(), y.data()), good);
+    EXPECT_EQ(std::memcmp(x.data(), y.data(), 8 * n * sizeof(double)), 0);
+}
+
 TEST_P(LaneCholeskyGraph, ALaneDependsOnThatLaneAlone) {
     const auto symbolic = analyse(GetParam());
     const size_t n = 3 * static_cast<size_t>(symbolic->vertex_count());
@@ -165,6 +180,7 @@ TEST_P(LaneCholeskyGraph, DoesNotAllocate) {
     one.factor(single[0].data());
     one.solve(x.data());
     one.solve_many(x.data(), 11);
+    eight.factor_and_solve(blocks.data(), x.data());
     EXPECT_EQ(allocation_count(), before);
     EXPECT_GT(std::make_unique<LaneArray>(1)->size() + allocation_count(), before + 1);  // it does count
 }
