@@ -17,7 +17,7 @@ constexpr int kMaxFactorisations = 3;
 constexpr double kSolved = 1e-14;     // relative residual
 constexpr double kTrusted = 1e-8;     // relative residual up to which a derivative counts as converged
 constexpr int kMaxIterations = 40;    // for each shift
-constexpr double kConverged = 1e-12;  // relative residual beyond which the shift is not lowered
+constexpr double kConverged = 1e-9;        // relative residual beyond which the shift is not lowered
 
 using ConstPoints = Eigen::Map<const Positions>;
 using ConstVector = Eigen::Map<const Eigen::VectorXd>;
