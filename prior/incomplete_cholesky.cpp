@@ -1,0 +1,232 @@
+#include "prior/incomplete_cholesky.h"
+
+#include <algorithm>
+
+#include "prior/lane_vector.h"
+
+namespace toile::prior {
+namespace {
+
+using Floats8 = float __attribute__((vector_size(32), may_alias));
+
+template <int W, class Single>
+[[gnu::always_inline]] inline Lane<W> load_single(const Single* p) {
+    if constexpr (W == 1)
+        return p->lane[0];
+    else
+        return __builtin_convertvector(*reinterpret_cast<const Floats8*>(p->lane), Lane8);
+}
+template <int W, class Single>
+[[gnu::always_inline]] inline void store_single(Single* p, const Lane<W>& x) {
+    if constexpr (W == 1)
+        p->lane[0] = static_cast<float>(x);
+    else
+        *reinterpret_cast<Floats8*>(p->lane) = __builtin_convertvector(x, Floats8);
+}
+
+/// A symmetric block as (xx, yx, yy, zx, zy, zz).
+template <int W>
+struct SymmetricBlock {
+    Lane<W> xx, yx, yy, zx, zy, zz;
+};
+
+template <int W>
+[[gnu::always_inline]] inline SymmetricBlock<W> load_block(const double* p) {
+    return {load_lanes<W>(p),         load_lanes<W>(p + W),     load_lanes<W>(p + 2 * W),
+            load_lanes<W>(p + 3 * W), load_lanes<W>(p + 4 * W), load_lanes<W>(p + 5 * W)};
+}
+template <int W>
+[[gnu::always_inline]] inline LaneVector<W> times(const SymmetricBlock<W>& b, const LaneVector<W>& v) {
+    return {b.xx * v.x + b.yx * v.y + b.zx * v.z, b.yx * v.x + b.yy * v.y + b.zy * v.z,
+            b.zx * v.x + b.zy * v.y + b.zz * v.z};
+}
+
+/// Writes the inverse of `b`; false (in the mask) where b is not positive definite, as compared with the diagonal of
+/// `measure`. Such a lane's inverse is left to the caller.
+template <int W>
+[[gnu::always_inline]] inline LaneMask<W> invert(const SymmetricBlock<W>& b, const SymmetricBlock<W>& measure,
+                                                 SymmetricBlock<W>& inverse) {
+    constexpr double least = 1e-13;
+    const Lane<W> minor = b.xx * b.yy - b.yx * b.yx;
+    const Lane<W> c_xx = b.yy * b.zz - b.zy * b.zy, c_yx = b.zx * b.zy - b.yx * b.zz, c_zx = b.yx * b.zy - b.zx * b.yy;
+    const Lane<W> determinant = b.xx * c_xx + b.yx * c_yx + b.zx * c_zx;
+    const Lane<W> plane = measure.xx * measure.yy;
+    const LaneMask<W> good = lane_less(measure.xx * least, b.xx) & lane_less(plane * least, minor) &
+                             lane_less(plane * measure.zz * least, determinant) & lane_is_finite(determinant);
+    const Lane<W> f = 1.0 / lane_select(good, determinant, lane_broadcast<W>(1.0));
+    inverse = {f * c_xx, f * c_yx, f * (b.xx * b.zz - b.zx * b.zx), f * c_zx, f * (b.yx * b.zx - b.xx * b.zy),
+               f * minor};
+    return good;
+}
+
+template <int W>
+[[gnu::always_inline]] inline SymmetricBlock<W> choose(const LaneMask<W>& mask, const SymmetricBlock<W>& a,
+                                                       const SymmetricBlock<W>& b) {
+    return {lane_select(mask, a.xx, b.xx), lane_select(mask, a.yx, b.yx), lane_select(mask, a.yy, b.yy),
+            lane_select(mask, a.zx, b.zx), lane_select(mask, a.zy, b.zy), lane_select(mask, a.zz, b.zz)};
+}
+
+/// The inverse pivot: of `pivot`, or of the matrix' own block where that is not positive definite, or of its diagonal.
+template <int W>
+[[gnu::always_inline]] inline LaneMask<W> invert_pivot(const SymmetricBlock<W>& pivot, const SymmetricBlock<W>& own,
+                                                       SymmetricBlock<W>& inverse) {
+    const LaneMask<W> good = invert<W>(pivot, own, inverse);
+    constexpr unsigned all = (1u << W) - 1u;
+    if (lane_bits(good) == all) return good;
+    const Lane<W> zero = lane_broadcast<W>(0.0), one = lane_broadcast<W>(1.0);
+    const Lane<W> trace = lane_abs(own.xx) + lane_abs(own.yy) + lane_abs(own.zz);
+    const Lane<W> scale = one / lane_select(lane_less(zero, trace) & lane_is_finite(trace), trace, one);
+    SymmetricBlock<W> own_inverse;
+    const LaneMask<W> own_good = invert<W>(own, own, own_inverse);
+    own_inverse = choose<W>(own_good, own_inverse, {scale, zero, scale, zero, zero, scale});
+    inverse = choose<W>(good, inverse, own_inverse);
+    return good;
+}
+
+template <int W>
+struct FactorTask {
+    const SpringGraph& graph;
+    const double* form;
+    const double* diagonal;
+    const double* exact;
+    typename IncompleteCholesky<W>::Single* lower;
+    double* inverse;
+    double* row;
+};
+
+/// One entry (i, j) of row i: subtracts the updates of the common columns, keeps L_ij and L_ij D_j⁻¹, and takes L_ij
+/// D_j⁻¹ L_ijᵀ off the pivot.
+template <int W>
+[[gnu::always_inline]] inline void factor_entry(const FactorTask<W>& task, int e, int update_begin, double* scaled,
+                                                const LaneMask<W>& keep_exact, SymmetricBlock<W>& pivot) {
+    const SpringGraph::Entry& one = task.graph.entry[e];
+    const double* m = task.form + 4 * W * one.spring;
+    const LaneVector<W> n = load_vector<W>(m);
+    const double axial = task.graph.spring[one.spring].axial;
+    const Lane<W> across = load_lanes<W>(m + 3 * W) - axial;
+    const Lane<W> t = lane_select(keep_exact, across, lane_max(across, lane_broadcast<W>(0.0))) + axial;
+    LaneVector<W> b[3] = {{-t - n.x * n.x, -n.x * n.y, -n.x * n.z},
+                          {-n.y * n.x, -t - n.y * n.y, -n.y * n.z},
+                          {-n.z * n.x, -n.z * n.y, -t - n.z * n.z}};
+    for (int u = update_begin; u < one.update_end; ++u) {
+        const double* left = task.row + 9 * W * task.graph.update[u].left;
+        const auto* right = task.lower + 9 * task.graph.update[u].right;
+        LaneVector<W> l[3], r[3];
+        for (int k = 0; k < 3; ++k) {
+            l[k] = load_vector<W>(left + 3 * W * k);
+            r[k] = {load_single<W>(right + 3 * k), load_single<W>(right + 3 * k + 1),
+                    load_single<W>(right + 3 * k + 2)};
+        }
+        for (int k = 0; k < 3; ++k)
+            b[k] = {b[k].x - dot<W>(l[k], r[0]), b[k].y - dot<W>(l[k], r[1]), b[k].z - dot<W>(l[k], r[2])};
+    }
+    const SymmetricBlock<W> d = load_block<W>(task.inverse + 6 * W * one.column);
+    LaneVector<W> s[3];
+    for (int k = 0; k < 3; ++k) {
+        auto* out = task.lower + 9 * e + 3 * k;
+        store_single<W>(out, b[k].x);
+        store_single<W>(out + 1, b[k].y);
+        store_single<W>(out + 2, b[k].z);
+        s[k] = times<W>(d, b[k]);
+        store_vector<W>(scaled + 3 * W * k, s[k]);
+    }
+    pivot.xx -= dot<W>(s[0], b[0]);
+    pivot.yx -= dot<W>(s[1], b[0]);
+    pivot.yy -= dot<W>(s[1], b[1]);
+    pivot.zx -= dot<W>(s[2], b[0]);
+    pivot.zy -= dot<W>(s[2], b[1]);
+    pivot.zz -= dot<W>(s[2], b[2]);
+}
+
+template <int W>
+TOILE_LANE_KERNEL void factor_rows(const FactorTask<W>& task, double* lost_pivot) {
+    const Lane<W> zero = lane_broadcast<W>(0.0), one = lane_broadcast<W>(1.0);
+    const LaneMask<W> keep_exact = lane_less(zero, load_lanes<W>(task.exact));
+    Lane<W> lost = zero;
+    int update = 0;
+    for (int i = 0; i < task.graph.vertex_count; ++i) {
+        const SymmetricBlock<W> own = load_block<W>(task.diagonal + 6 * W * i);
+        SymmetricBlock<W> pivot = own, inverse;
+        double* scaled = task.row;
+        for (int e = task.graph.row_first[i]; e < task.graph.row_first[i + 1]; ++e, scaled += 9 * W) {
+            factor_entry<W>(task, e, update, scaled, keep_exact, pivot);
+            update = task.graph.entry[e].update_end;
+        }
+        lost += lane_select(invert_pivot<W>(pivot, own, inverse), zero, one);
+        double* out = task.inverse + 6 * W * i;
+        store_lanes<W>(out, inverse.xx);
+        store_lanes<W>(out + W, inverse.yx);
+        store_lanes<W>(out + 2 * W, inverse.yy);
+        store_lanes<W>(out + 3 * W, inverse.zx);
+        store_lanes<W>(out + 4 * W, inverse.zy);
+        store_lanes<W>(out + 5 * W, inverse.zz);
+    }
+    store_lanes<W>(lost_pivot, lost);
+}
+
+template <int W, class Single>
+TOILE_LANE_KERNEL void solve_forward(const SpringGraph& graph, const Single* lower, const double* inverse,
+                                     const double* r, double* w, double* u) {
+    const SpringGraph::Entry* entry = graph.entry.data();
+    for (int i = 0; i < graph.vertex_count; ++i) {
+        LaneVector<W> s = load_vector<W>(r + 3 * W * i);
+        for (int e = graph.row_first[i]; e < graph.row_first[i + 1]; ++e) {
+            const LaneVector<W> y = load_vector<W>(w + 3 * W * entry[e].column);
+            const Single* l = lower + 9 * e;
+            s.x -= load_single<W>(l) * y.x + load_single<W>(l + 1) * y.y + load_single<W>(l + 2) * y.z;
+            s.y -= load_single<W>(l + 3) * y.x + load_single<W>(l + 4) * y.y + load_single<W>(l + 5) * y.z;
+            s.z -= load_single<W>(l + 6) * y.x + load_single<W>(l + 7) * y.y + load_single<W>(l + 8) * y.z;
+        }
+        store_vector<W>(u + 3 * W * i, s);
+        store_vector<W>(w + 3 * W * i, times<W>(load_block<W>(inverse + 6 * W * i), s));
+    }
+}
+
+template <int W, class Single>
+TOILE_LANE_KERNEL void solve_backward(const SpringGraph& graph, const Single* lower, const double* inverse,
+                                      const double* r, double* z, double* u, double* r_dot_z) {
+    const SpringGraph::Entry* entry = graph.entry.data();
+    Lane<W> sum = lane_broadcast<W>(0.0);
+    for (int i = graph.vertex_count - 1; i >= 0; --i) {
+        const LaneVector<W> x = times<W>(load_block<W>(inverse + 6 * W * i), load_vector<W>(u + 3 * W * i));
+        store_vector<W>(z + 3 * W * i, x);
+        sum += dot<W>(x, load_vector<W>(r + 3 * W * i));
+        for (int e = graph.row_first[i]; e < graph.row_first[i + 1]; ++e) {
+            double* out = u + 3 * W * entry[e].column;
+            const Single* l = lower + 9 * e;
+            LaneVector<W> s = load_vector<W>(out);
+            s.x -= load_single<W>(l) * x.x + load_single<W>(l + 3) * x.y + load_single<W>(l + 6) * x.z;
+            s.y -= load_single<W>(l + 1) * x.x + load_single<W>(l + 4) * x.y + load_single<W>(l + 7) * x.z;
+            s.z -= load_single<W>(l + 2) * x.x + load_single<W>(l + 5) * x.y + load_single<W>(l + 8) * x.z;
+            store_vector<W>(out, s);
+        }
+    }
+    store_lanes<W>(r_dot_z, sum);
+}
+
+}  // namespace
+
+template <int W>
+IncompleteCholesky<W>::IncompleteCholesky(const SpringGraph& graph)
+    : graph_(graph),
+      lower_(9 * graph.spring.size()),
+      inverse_(6 * W * static_cast<size_t>(graph.vertex_count)),
+      row_(9 * W * static_cast<size_t>(std::max(graph.widest_row, 1))),
+      work_(3 * W * static_cast<size_t>(graph.vertex_count)) {}
+
+template <int W>
+void IncompleteCholesky<W>::factor(const double* form, const double* diagonal, const double* exact,
+                                   double* lost_pivot) {
+    factor_rows<W>({graph_, form, diagonal, exact, lower_.data(), inverse_.data(), row_.data()}, lost_pivot);
+}
+
+template <int W>
+void IncompleteCholesky<W>::solve(const double* r, double* z, double* r_dot_z) {
+    solve_forward<W>(graph_, lower_.data(), inverse_.data(), r, z, work_.data());
+    solve_backward<W>(graph_, lower_.data(), inverse_.data(), r, z, work_.data(), r_dot_z);
+}
+
+template class IncompleteCholesky<1>;
+template class IncompleteCholesky<8>;
+
+}  // namespace toile::prior

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <vector>
+
+#include "cloth/lane_array.h"
+#include "prior/preconditioner.h"
+#include "prior/spring_graph.h"
+
+namespace toile::prior {
+
+/// Incomplete Cholesky factor, without fill, of W Hessians on a spring graph (cloth/lane.h), in blocks of 3x3: the
+/// preconditioner of the quasistatic prior. (L + D) D⁻¹ (L + D)ᵀ with L below the diagonal; L is kept in single
+/// precision, as the solve is bound by memory. Positive definite always: where a pivot is lost, the matrix' own
+/// diagonal block takes its place.
+template <int W>
+class IncompleteCholesky final : public Preconditioner<W> {
+  public:
+    explicit IncompleteCholesky(const SpringGraph& graph);
+
+    void factor(const double* form, const double* diagonal, const double* exact, double* lost_pivot) override;
+    /// z = (L + D)⁻ᵀ D (L + D)⁻¹ r.
+    void solve(const double* r, double* z, double* r_dot_z) override;
+
+    /// One entry of a block in single precision.
+    struct alignas(4 * W) Single {
+        float lane[W];
+    };
+
+  private:
+    const SpringGraph& graph_;
+    std::vector<Single> lower_;  // [S][9], rows of L
+    LaneArray inverse_;          // [V][6][W], D⁻¹
+    LaneArray row_;              // [widest row][9][W], L D⁻¹ of the row at work
+    LaneArray work_;             // [V][3][W]
+};
+
+extern template class IncompleteCholesky<1>;
+extern template class IncompleteCholesky<8>;
+
+}  // namespace toile::prior

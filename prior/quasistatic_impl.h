@@ -1,0 +1,44 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "prior/derivative_lanes.h"
+#include "prior/newton_lanes.h"
+#include "prior/quasistatic.h"
+#include "prior/spring_graph.h"
+
+namespace toile::prior {
+
+struct Quasistatic::Impl {
+    Impl(QuasistaticModel given, const QuasistaticOptions& chosen);
+
+    QuasistaticModel model;
+    QuasistaticOptions options;
+    SpringGraph graph;
+};
+
+/// One of each for a thread, made when first needed.
+struct Quasistatic::Workspace::Buffers {
+    Buffers(const Quasistatic::Impl& owner, int thread_count);
+
+    /// Number of samples; throws Error if the spans or this workspace do not fit.
+    int check(const Quasistatic::Impl& owner, std::span<const double> predicted,
+              const QuasistaticSolution& solution) const;
+
+    const Quasistatic::Impl* prior;
+    int threads;
+    std::vector<std::unique_ptr<NewtonLanes<8>>> eight;
+    std::vector<std::unique_ptr<NewtonLanes<1>>> one;
+    std::vector<std::unique_ptr<NewtonLanes<1>>> last_resort;
+    std::vector<std::unique_ptr<DerivativeLanes<8>>> derivative_eight;
+    std::vector<std::unique_ptr<DerivativeLanes<1>>> derivative_one;
+    std::unique_ptr<DerivativeLanes<1>> derivative_last_resort;
+    std::vector<int> hard;  ///< samples set aside for the last resort
+};
+
+/// Calls `task(slot)` on each of `threads` threads; on the caller's own alone without touching the heap.
+void on_threads(int threads, const std::function<void(int)>& task);
+
+}  // namespace toile::prior

@@ -1,0 +1,88 @@
+#include "prior/vector_lanes.h"
+
+#include "cloth/lane.h"
+
+namespace toile::prior {
+
+template <int W>
+TOILE_LANE_KERNEL void VectorLanes<W>::dot(int size, const double* x, const double* y, double* sum) {
+    Lane<W> total = lane_broadcast<W>(0.0);
+    for (int i = 0; i < size; ++i) total += load_lanes<W>(x + W * i) * load_lanes<W>(y + W * i);
+    store_lanes<W>(sum, total);
+}
+
+template <int W>
+TOILE_LANE_KERNEL void VectorLanes<W>::largest(int size, const double* x, double* result) {
+    Lane<W> most = lane_broadcast<W>(0.0);
+    for (int i = 0; i < size; ++i) most = lane_max(most, lane_abs(load_lanes<W>(x + W * i)));
+    store_lanes<W>(result, most);
+}
+
+template <int W>
+TOILE_LANE_KERNEL void VectorLanes<W>::scale(int size, const double* a, double* x) {
+    const Lane<W> factor = load_lanes<W>(a);
+    for (int i = 0; i < size; ++i) store_lanes<W>(x + W * i, factor * load_lanes<W>(x + W * i));
+}
+
+template <int W>
+TOILE_LANE_KERNEL void VectorLanes<W>::difference(int size, const double* x, const double* y, double* z) {
+    for (int i = 0; i < size; ++i) store_lanes<W>(z + W * i, load_lanes<W>(x + W * i) - load_lanes<W>(y + W * i));
+}
+
+template <int W>
+TOILE_LANE_KERNEL void VectorLanes<W>::restart(int size, const double* a, const double* b, double* x, double* r) {
+    const Lane<W> zero = lane_broadcast<W>(0.0);
+    const LaneMask<W> chosen = lane_less(zero, load_lanes<W>(a));
+    for (int i = 0; i < size; ++i) {
+        store_lanes<W>(x + W * i, lane_select(chosen, zero, load_lanes<W>(x + W * i)));
+        store_lanes<W>(r + W * i, lane_select(chosen, load_lanes<W>(b + W * i), load_lanes<W>(r + W * i)));
+    }
+}
+
+template <int W>
+TOILE_LANE_KERNEL void VectorLanes<W>::advance(int size, const double* a, const double* p, const double* y, double* x,
+                                               double* r, double* r_squared, double* r_largest) {
+    const Lane<W> length = load_lanes<W>(a);
+    Lane<W> sum = lane_broadcast<W>(0.0), most = sum;
+    for (int i = 0; i < size; ++i) {
+        store_lanes<W>(x + W * i, load_lanes<W>(x + W * i) + length * load_lanes<W>(p + W * i));
+        const Lane<W> rest = load_lanes<W>(r + W * i) - length * load_lanes<W>(y + W * i);
+        store_lanes<W>(r + W * i, rest);
+        sum += rest * rest;
+        most = lane_max(most, lane_abs(rest));
+    }
+    store_lanes<W>(r_squared, sum);
+    store_lanes<W>(r_largest, most);
+}
+
+template <int W>
+TOILE_LANE_KERNEL void VectorLanes<W>::turn(int size, const double* b, const double* z, double* q) {
+    const Lane<W> factor = load_lanes<W>(b);
+    for (int i = 0; i < size; ++i)
+        store_lanes<W>(q + W * i, load_lanes<W>(z + W * i) + factor * load_lanes<W>(q + W * i));
+}
+
+template <int W>
+TOILE_LANE_KERNEL void VectorLanes<W>::step(int size, const double* s, const double* x, const double* d,
+                                            const double* g, const double* origin, double* trial, double* g_dot_d) {
+    const Lane<W> length = load_lanes<W>(s);
+    const Lane<W> zero = lane_broadcast<W>(0.0);
+    const LaneMask<W> moves = lane_less(zero, length);
+    Lane<W> sum = zero;
+    for (int i = 0; i < size; i += 3) {
+        for (int c = 0; c < 3; ++c) {
+            const int at = W * (i + c);
+            const Lane<W> direction = load_lanes<W>(d + at), shift = load_lanes<W>(origin + W * c);
+            const Lane<W> change = lane_select(moves, length * direction, zero);
+            const Lane<W> stored = (load_lanes<W>(x + at) - change) + shift;
+            store_lanes<W>(trial + at, stored - shift);
+            sum += direction * load_lanes<W>(g + at);
+        }
+    }
+    store_lanes<W>(g_dot_d, sum);
+}
+
+template struct VectorLanes<1>;
+template struct VectorLanes<8>;
+
+}  // namespace toile::prior
