@@ -14,10 +14,10 @@ constexpr double kWeak = 1e-8;  // relative length and force below which an edge
 constexpr double kShiftAlong = 1e-5, kShiftAcross = 1e-3, kShiftUnreached = 1.0;
 constexpr double kLowerShift = 1e-2;
 constexpr int kMaxFactorisations = 3;
-constexpr double kSolved = 1e-14;     // relative residual
-constexpr double kTrusted = 1e-8;     // relative residual up to which a derivative counts as converged
-constexpr int kMaxIterations = 40;    // for each shift
-constexpr double kConverged = 1e-9;        // relative residual beyond which the shift is not lowered
+constexpr double kSolved = 1e-14;    // relative residual
+constexpr double kTrusted = 1e-8;    // relative residual up to which a derivative counts as converged
+constexpr int kMaxIterations = 40;   // for each shift
+constexpr double kConverged = 1e-9;  // relative residual beyond which the shift is not lowered
 
 using ConstPoints = Eigen::Map<const Positions>;
 using ConstVector = Eigen::Map<const Eigen::VectorXd>;
@@ -44,7 +44,7 @@ void add_cone(int z, const Eigen::Vector3d& n, double stiffness, Triplets& matri
     }
 }
 
-/// The shift that makes the system quasi-definite, for a cone whose ZS is of the size `scale`.
+/// The shift that makes the system quasi-definite, for a cone whose ZS and surroundings are of the size `scale`.
 void add_shift(int z, const Eigen::Vector3d& n, double scale, Triplets& along_multipliers, Triplets& across) {
     Eigen::Vector4d pull;
     pull << 1.0, -n;
@@ -103,7 +103,9 @@ void ConeDerivative::assemble(std::span<const double> position, std::span<const 
             matrix.emplace_back(z + 1 + c, 3 * model_.edge(e, 1) + c, 1.0);
         }
         add_cone(z, n, stiffness, matrix);
-        add_shift(z, n, std::max(1.0, stiffness), along, across);
+        const double k_a = model_.target_stiffness[model_.edge(e, 0)] / stiffness_unit_;
+        const double k_b = model_.target_stiffness[model_.edge(e, 1)] / stiffness_unit_;
+        add_shift(z, n, std::max(k_a / (k_a + k_b) * k_b, stiffness), along, across);
     }
     for (auto [target, entries] : {std::pair{&matrix_, &matrix}, {&along_, &along}, {&across_, &across}}) {
         target->resize(size, size);
