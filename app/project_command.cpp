@@ -19,14 +19,11 @@ struct ProjectFlags {
     generate::ProjectOptions options;
 };
 
-void list_failures(const generate::ProjectSummary& summary, const std::string& problem) {
-    const size_t listed = std::min(summary.failed.size(), most_listed);
-    for (size_t i = 0; i < listed; ++i) {
-        const generate::SampleRemark& one = summary.failed[i];
-        print_error("sample " + std::to_string(one.sample) + " " + one.text, problem, {});
-    }
-    if (listed < summary.failed.size())
-        print_error("and " + std::to_string(summary.failed.size() - listed) + " more", problem, {});
+void list(const std::vector<generate::SampleRemark>& remarks, const std::string& problem) {
+    const size_t listed = std::min(remarks.size(), most_listed);
+    for (size_t i = 0; i < listed; ++i)
+        print_error("sample " + std::to_string(remarks[i].sample) + " " + remarks[i].text, problem, {});
+    if (listed < remarks.size()) print_error("and " + std::to_string(remarks.size() - listed) + " more", problem, {});
 }
 
 int project(generate::Prior prior, ProjectFlags flags) {
@@ -37,7 +34,8 @@ int project(generate::Prior prior, ProjectFlags flags) {
     const generate::ProjectSummary summary = generate::project(config, flags.options);
     display.finish();
     print_projection(summary, flags.options.out);
-    list_failures(summary, flags.options.problem);
+    list(summary.failed, flags.options.problem);
+    list(summary.doubtful, flags.options.problem);
     return summary.failed.empty() ? all_done : some_samples_failed;
 }
 

@@ -82,6 +82,7 @@ struct ProjectionWriter::Impl {
         visit("/samples/loss", one, std::span(rows.loss));
         visit("/samples/gradient", positions, rows.gradient);
         visit("/samples/gradient_seconds", one, std::span(rows.gradient_seconds));
+        visit("/samples/gradient_residual", one, std::span(rows.gradient_residual));
         if (prior_is_limits) {
             visit("/samples/weakly_active", one, std::span(rows.weakly_active));
             visit("/samples/active_set_distance", one, std::span(rows.active_set_distance));

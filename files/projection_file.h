@@ -49,22 +49,23 @@ struct ProjectionHeader {
 
 /// Consecutive samples of a projection, `n` of them. What the header does not announce is empty.
 struct ProjectionRows {
-    std::span<const double> predicted, projected;             ///< `[n x V x 3]`
-    std::vector<int8_t> status;                               ///< `[n]`
-    std::vector<int32_t> iterations;                          ///< `[n]`
-    std::vector<double> seconds, residual;                    ///< `[n]`
-    std::span<const double> multiplier;                       ///< `[n x E]`; inextensibility
-    std::vector<double> loss, gradient_seconds;               ///< `[n]`; gradient
-    std::span<const double> gradient;                         ///< `[n x V x 3]`; gradient
-    std::vector<int32_t> weakly_active;                       ///< `[n]`; gradient, inextensibility
-    std::vector<double> active_set_distance;                  ///< `[n]`; gradient, inextensibility
-    std::span<const double> gradient_mu, gradient_mu_vertex;  ///< `[n]`, `[n x V]`; gradient, quasistatic
+    std::span<const double> predicted, projected;                   ///< `[n x V x 3]`
+    std::vector<int8_t> status;                                     ///< `[n]`
+    std::vector<int32_t> iterations;                                ///< `[n]`
+    std::vector<double> seconds, residual;                          ///< `[n]`
+    std::span<const double> multiplier;                             ///< `[n x E]`; inextensibility
+    std::vector<double> loss, gradient_seconds, gradient_residual;  ///< `[n]`; gradient
+    std::span<const double> gradient;                               ///< `[n x V x 3]`; gradient
+    std::vector<int32_t> weakly_active;                             ///< `[n]`; gradient, inextensibility
+    std::vector<double> active_set_distance;                        ///< `[n]`; gradient, inextensibility
+    std::span<const double> gradient_mu, gradient_mu_vertex;        ///< `[n]`, `[n x V]`; gradient, quasistatic
 };
 
 /// Writes a projection file (contract, "Projection file"), a few samples at a time: under another name first, renamed
 /// by `finish`, so that a file of this name is whole. Chunked by sample, with checksums, not compressed.
 ///
-/// Beyond the contract, so that a file can be checked by itself: `/samples/predicted`, `/samples/active_set_distance`,
+/// Beyond the contract, so that a file can be checked by itself: `/samples/predicted`, `/samples/gradient_residual`
+/// (of the linear system behind the gradient), `/samples/active_set_distance`,
 /// and the root attributes of data sets with `prior` and `tolerance`.
 class ProjectionWriter {
   public:

@@ -46,6 +46,7 @@ struct Run {
 
     size_t width() const { return 3 * static_cast<size_t>(problem.mesh().vertex_count()); }
     void fail(int64_t sample, std::string text) const { summary.failed.push_back({sample, std::move(text)}); }
+    void doubt(int64_t sample, std::string text) const { summary.doubtful.push_back({sample, std::move(text)}); }
 };
 
 void count_forward(const Run& run, const Batch& batch) {
@@ -105,9 +106,8 @@ void count_backward(const Run& run, const Batch& batch) {
             continue;
         }
         if (one.status != prior::Status::converged)
-            run.fail(sample,
-                     fmt::format("has a gradient that is not accurate: linear residual {:.2e}", one.linear_residual));
-        if (!one.positive_definite) run.fail(sample, "has a gradient in doubt: the Hessian is not positive definite");
+            run.doubt(sample, fmt::format("has a gradient with a linear residual of {:.2e}", one.linear_residual));
+        if (!one.positive_definite) run.doubt(sample, "has a Hessian that is not positive definite");
         const bool one_sided = one.weakly_active > 0 || one.active_set_distance <= run.config.tolerance();
         run.summary.near_kink += run.config.prior == Prior::inextensibility && one_sided;
     }
@@ -132,8 +132,10 @@ void write_batch(const Run& run, const Batch& batch, files::ProjectionWriter& wr
     }
     if (run.options.gradient) {
         rows.loss = batch.loss;
-        for (const prior::DerivativeReport& one : run.work.derivative_report())
+        for (const prior::DerivativeReport& one : run.work.derivative_report()) {
             rows.gradient_seconds.push_back(one.seconds);
+            rows.gradient_residual.push_back(one.linear_residual);
+        }
     }
     run.work.fill(rows, run.options.gradient);
     writer.write(rows);

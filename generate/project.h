@@ -26,7 +26,8 @@ struct SampleRemark {
 
 struct ProjectSummary {
     std::int64_t samples = 0, converged = 0;
-    std::vector<SampleRemark> failed;  ///< rejected, accuracy not reached, or without a sound derivative
+    std::vector<SampleRemark> failed;    ///< rejected, accuracy not reached, or without a target to differentiate to
+    std::vector<SampleRemark> doubtful;  ///< solved, but the gradient may be off
     int vertices = 0;
     std::int64_t edges = 0;
     double worst_residual = 0;  ///< over the samples that were not rejected

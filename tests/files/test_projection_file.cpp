@@ -64,7 +64,7 @@ struct Samples {
         rows.seconds = rows.residual = std::vector<double>(static_cast<size_t>(count), 0.125 * first);
         if (header.limits) rows.multiplier = edges;
         if (!header.gradient) return;
-        rows.loss = rows.gradient_seconds = rows.seconds;
+        rows.loss = rows.gradient_seconds = rows.gradient_residual = rows.seconds;
         rows.gradient = positions;
         if (header.limits) {
             rows.weakly_active = rows.iterations;
