@@ -7,9 +7,16 @@
 namespace toile::prior {
 namespace {
 
-constexpr double wanted_residual = 1e-11;
-constexpr double good_residual = 1e-8;
-constexpr int most_corrections = 12;
+constexpr double wanted_residual = 1e-13;
+constexpr double good_residual = 1e-11;  // what the report calls converged; ends a lane whose corrections help no more
+
+/// What is tried in turn: γ relative to H, a bound on it, and how many corrections. Nearly redundant taut edges want a
+/// large one, forces of very different size a small one.
+struct Attempt {
+    double gamma, most_gamma;
+    int corrections;
+};
+constexpr Attempt attempts[] = {{1e8, 1e12, 10}, {1e12, 1e15, 20}, {1e5, 1e9, 40}};
 
 struct alignas(64) LaneNumbers {
     double value[8] = {};
@@ -65,54 +72,113 @@ void store(const InextensibilityBuffers<W>& buffers, int l, InextensibilityDeriv
     for (int e = 0; e < g.edge_count; ++e) lane.multiplier_result[e] = usable ? g.multiplier_step[e * W + l] : nan;
 }
 
+/// One group's lanes through an attempt: each is stored when it has arrived, so that it does not depend on the others.
+template <int W>
+class TautSystem {
+  public:
+    TautSystem(InextensibilityBuffers<W>& buffers, std::array<InextensibilityDerivativeLane, W>& lane, double tolerance)
+        : buffers_(buffers), g_(buffers.lanes), lane_(lane) {
+        for (int l = 0; l < W; ++l) {
+            usable_[l] = load<W>(buffers_, l, lane_[l], largest_[l]);
+            best_[l] = std::numeric_limits<double>::infinity();
+        }
+        find_taut<W>(g_, largest_.value, 0.1 * std::sqrt(tolerance), measure_);
+    }
+
+    bool solve(const Attempt& attempt);
+    void report();
+
+  private:
+    void correct(const Attempt& attempt, const std::bitset<W>& good);
+    void arrive(int l);
+
+    InextensibilityBuffers<W>& buffers_;
+    const InextensibilityLanes<W>& g_;
+    std::array<InextensibilityDerivativeLane, W>& lane_;
+    LaneNumbers largest_, gamma_;
+    TautMeasure measure_;
+    std::array<bool, W> usable_{}, going_{};
+    std::array<double, W> residual_{}, best_{};
+};
+
+/// Keeps what a lane holds now, if it is the best so far.
+template <int W>
+void TautSystem<W>::arrive(int l) {
+    going_[l] = false;
+    if (!(residual_[l] < best_[l])) return;
+    best_[l] = residual_[l];
+    store<W>(buffers_, l, lane_[l], true);
+}
+
+/// True if every lane has arrived.
+template <int W>
+bool TautSystem<W>::solve(const Attempt& attempt) {
+    bool any = false;
+    for (int l = 0; l < W; ++l) {
+        load_right_side<W>(buffers_, l, lane_[l], usable_[l]);
+        gamma_[l] = std::min(attempt.gamma * (1.0 + measure_.curvature[l]), attempt.most_gamma);
+        going_[l] = usable_[l] && !(best_[l] <= good_residual);
+        any = any || going_[l];
+    }
+    if (!any) return true;
+    assemble_taut<W>(g_, gamma_.value);
+    correct(attempt, buffers_.cholesky.factor(g_.block));
+    for (int l = 0; l < W; ++l)
+        if (usable_[l] && !(best_[l] <= good_residual)) return false;
+    return true;
+}
+
+template <int W>
+void TautSystem<W>::correct(const Attempt& attempt, const std::bitset<W>& good) {
+    LaneNumbers force, length, scale;
+    for (int l = 0; l < W; ++l) going_[l] = going_[l] && good[l];
+    for (int correction = 0;; ++correction) {
+        taut_residual<W>(g_, gamma_.value, force.value, length.value);
+        for (int l = 0; l < W; ++l) {
+            if (correction == 0) {
+                // Both rows are measured against the larger right-hand side.
+                scale[l] = std::max(force[l], length[l]);
+            }
+            if (!going_[l]) continue;
+            const double before = residual_[l];
+            residual_[l] = scale[l] > 0 ? std::max(force[l], length[l]) / scale[l] : 0;
+            const bool stalled = correction > 0 && residual_[l] <= good_residual && residual_[l] > 0.5 * before;
+            if (!std::isfinite(residual_[l]))
+                going_[l] = false;
+            else if (residual_[l] <= wanted_residual || stalled || correction == attempt.corrections)
+                arrive(l);
+        }
+        if (std::none_of(going_.begin(), going_.end(), [](bool g) { return g; })) return;
+        buffers_.cholesky.solve(g_.step);
+        taut_correction<W>(g_, gamma_.value);
+    }
+}
+
+template <int W>
+void TautSystem<W>::report() {
+    for (int l = 0; l < W; ++l) {
+        if (!lane_[l].position) continue;
+        DerivativeReport& report = lane_[l].report;
+        report.linear_residual = usable_[l] ? best_[l] : std::numeric_limits<double>::quiet_NaN();
+        report.status = !usable_[l]                 ? Status::rejected_input
+                        : best_[l] <= good_residual ? Status::converged
+                                                    : Status::accuracy_not_reached;
+        report.taut_edges = static_cast<int>(measure_.taut[l]);
+        report.weakly_active = static_cast<int>(measure_.weak[l]);
+        report.active_set_distance = measure_.distance[l];
+        if (!std::isfinite(best_[l])) store<W>(buffers_, l, lane_[l], false);
+    }
+}
+
 }  // namespace
 
 template <int W>
 void differentiate_group(InextensibilityBuffers<W>& buffers, std::array<InextensibilityDerivativeLane, W>& lane,
                          double tolerance) {
-    const InextensibilityLanes<W>& g = buffers.lanes;
-    LaneNumbers largest, gamma, force, length, first_force, first_length;
-    std::array<bool, W> usable;
-    for (int l = 0; l < W; ++l) usable[l] = load<W>(buffers, l, lane[l], largest[l]);
-    TautMeasure measure;
-    find_taut<W>(g, largest.value, 0.1 * std::sqrt(tolerance), measure);
-    for (int l = 0; l < W; ++l) {
-        load_right_side<W>(buffers, l, lane[l], usable[l]);
-        gamma[l] = std::min(1e8 * (1.0 + measure.curvature[l]), 1e12);
-    }
-    assemble_taut<W>(g, gamma.value);
-    const std::bitset<W> good = buffers.cholesky.factor(g.block);
-    std::array<double, W> residual{};
-    for (int correction = 0; correction <= most_corrections; ++correction) {
-        taut_residual<W>(g, gamma.value, force.value, length.value);
-        bool done = true;
-        for (int l = 0; l < W; ++l) {
-            if (correction == 0) {
-                first_force[l] = force[l];
-                first_length[l] = length[l];
-            }
-            const double of_force = first_force[l] > 0 ? force[l] / first_force[l] : 0;
-            // Both rows are measured in the force that would be needed to make up for them.
-            const double scale = std::max(first_force[l], first_length[l]);
-            residual[l] = scale > 0 ? std::max(of_force, length[l] / scale) : 0;
-            done = done && (!usable[l] || residual[l] <= wanted_residual);
-        }
-        if (done || correction == most_corrections) break;
-        buffers.cholesky.solve(g.step);
-        taut_correction<W>(g, gamma.value);
-    }
-    for (int l = 0; l < W; ++l) {
-        if (!lane[l].position) continue;
-        DerivativeReport& report = lane[l].report;
-        report.status = !usable[l]                                ? Status::rejected_input
-                        : good[l] && residual[l] <= good_residual ? Status::converged
-                                                                  : Status::accuracy_not_reached;
-        report.linear_residual = usable[l] ? residual[l] : std::numeric_limits<double>::quiet_NaN();
-        report.taut_edges = static_cast<int>(measure.taut[l]);
-        report.weakly_active = static_cast<int>(measure.weak[l]);
-        report.active_set_distance = measure.distance[l];
-        store<W>(buffers, l, lane[l], usable[l]);
-    }
+    TautSystem<W> system(buffers, lane, tolerance);
+    for (const Attempt& attempt : attempts)
+        if (system.solve(attempt)) break;
+    system.report();
 }
 
 template void differentiate_group<1>(InextensibilityBuffers<1>&, std::array<InextensibilityDerivativeLane, 1>&, double);

@@ -24,7 +24,7 @@ struct Report {
 
 /// How far a derivative can be trusted. Filled by both products (`backward` and `tangent`).
 struct DerivativeReport {
-    Status status = Status::rejected_input;  ///< accuracy_not_reached: `linear_residual` is above 1e-8
+    Status status = Status::rejected_input;  ///< accuracy_not_reached: `linear_residual` is above 1e-11
     double linear_residual = 0;  ///< |A x - b| / |b| of the linear system behind the derivative (largest entries)
     int taut_edges = 0;          ///< inextensibility: edges at their limit with a multiplier
     int weakly_active = 0;       ///< inextensibility: edges at their limit without force: the map is one-sided there
