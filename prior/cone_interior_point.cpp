@@ -10,7 +10,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kStartStretch = 0.9;      // of the limit, of the longest edge of the elastic start
-constexpr int kMaxStarts = 60;             // its stiffness grows at least fourfold with each
+constexpr int kMaxStarts = 60;             // its springs' force grows at least fourfold with each
 constexpr double kStepBack = 0.99;         // of the way to the boundary
 constexpr double kShortestStep = 1e-8;     // a shorter one is a standstill
 constexpr double kCarriedStiffness = 1.0;  // beyond this one, an edge's extra unknown carries its force
@@ -57,13 +57,14 @@ bool ConeInteriorPoint::start(const ConeProgram& program, ConeIterate& iterate, 
     const Eigen::Index coordinates = 3 * program.stiffness.size(), edges = program.edge.rows();
     iterate.s.resize(4, edges);
     iterate.z.resize(4, edges);
-    double rho = 1.0;
+    double force = 1.0;
     for (int attempt = 0; attempt < kMaxStarts; ++attempt) {
         kkt_.begin(program.stiffness);
         right_.setZero(kkt_.size());
         for (Eigen::Index e = 0; e < edges; ++e) {
-            kkt_.set_edge(e, rho, Eigen::Vector3d::Zero(), 1.0);
-            add_pull(program.edge, e, -rho * program.edge_vector.col(e), right_);
+            const double stiffness = force / program.limit[e];
+            kkt_.set_edge(e, stiffness, Eigen::Vector3d::Zero(), 1.0);
+            add_pull(program.edge, e, -stiffness * program.edge_vector.col(e), right_);
         }
         const auto before = Clock::now();
         const bool factored = kkt_.factor();
@@ -75,11 +76,12 @@ bool ConeInteriorPoint::start(const ConeProgram& program, ConeIterate& iterate, 
         const double stretch = largest_stretch(iterate);
         if (!std::isfinite(stretch)) return false;
         if (stretch < kStartStretch) {
-            iterate.z.row(0) = rho * iterate.s.row(0);
-            iterate.z.bottomRows<3>() = -rho * iterate.s.bottomRows<3>();
+            iterate.z.row(0).setConstant(force);
+            for (Eigen::Index e = 0; e < edges; ++e)
+                iterate.z.col(e).tail<3>() = -force / program.limit[e] * iterate.s.col(e).tail<3>();
             return true;
         }
-        rho *= std::max(4.0, 2.0 * stretch);
+        force *= std::max(4.0, 2.0 * stretch);
     }
     return false;
 }

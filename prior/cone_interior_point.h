@@ -28,9 +28,9 @@ class ConeInteriorPoint {
   public:
     ConeInteriorPoint(const Edges& edge, int vertex_count);
 
-    /// The equilibrium of an elastic cloth whose springs, of one stiffness ρ and no rest length, hold every edge well
-    /// below its limit: with z_e = ρ (l_e^max, −s_e¹) forces balance exactly and each cone is well centred. False if
-    /// the numbers overflow.
+    /// The equilibrium of an elastic cloth whose springs have no rest length and pull with one force f at their edge's
+    /// limit: stiff enough, they hold every edge well below it, and with z_e = f (1, −s_e¹ / l_e^max) forces balance
+    /// exactly and each cone is well centred, however much the limits differ. False if the numbers overflow.
     bool start(const ConeProgram& program, ConeIterate& iterate, Report& report);
     /// One step. False if it could not make progress.
     bool step(const ConeProgram& program, ConeIterate& iterate, Report& report);

@@ -177,6 +177,28 @@ TEST(ConeDerivative, AgreesWithADenseReference) {
     expect_dense_reference(noisy_patch(6, 5, 2), 1e-9);
 }
 
+TEST(ConeDerivative, HoldsForStiffnessesAndForcesFarApart) {
+    InextensibleCase cloth = patch(5, 4, 0.02, 0.2);
+    const std::vector<double> predicted = with_noise(cloth.at_rest(), 0.02);
+    std::vector<double> with_outlier = predicted;
+    with_outlier[4] += 100.0;
+    std::vector<Solved> cases{{cloth.model, with_outlier}};
+    for (int i = 0; i < cloth.model.vertex_count; ++i) cloth.model.target_stiffness[i] = std::pow(10.0, i % 7 - 3);
+    cases.emplace_back(cloth.model, predicted);
+    for (const Solved& at : cases) {
+        const Eigen::VectorXd predicted_change = random_values(at.coordinates(), 6),
+                              limit_change = random_values(at.model.edge.rows(), 7),
+                              gradient = random_values(at.coordinates(), 8);
+        DerivativeReport report;
+        const Eigen::VectorXd change = at.tangent(predicted_change, limit_change, &report);
+        EXPECT_EQ(report.status, Status::converged) << report.linear_residual;
+        Eigen::VectorXd by_predicted, by_limit;
+        EXPECT_EQ(at.backward(gradient, by_predicted, by_limit).status, Status::converged);
+        EXPECT_NEAR(gradient.dot(change), by_predicted.dot(predicted_change) + by_limit.dot(limit_change),
+                    1e-9 * gradient.norm() * change.norm());
+    }
+}
+
 TEST(ConeDerivative, IsThatOfThePapersEquation7) {
     const Solved at = noisy_patch(3, 2, 1);
     const Eigen::VectorXd predicted_change = random_values(at.coordinates(), 9);

@@ -168,10 +168,10 @@ const Extreme kExtremes[] = {
          p = with_noise(p, 0.02);
          for (int i = 0; i < m.vertex_count; ++i) m.target_stiffness[i] = std::pow(10.0, i % 13 - 6);
      }},
-    {"limits_over_four_decades",
+    {"limits_over_eight_decades",
      [](InextensibilityModel& m, std::vector<double>& p) {
          p = with_noise(p, 0.02);
-         for (int e = 0; e < m.edge.rows(); ++e) m.edge_max_length[e] *= std::pow(10.0, e % 5 - 3);
+         for (int e = 0; e < m.edge.rows(); ++e) m.edge_max_length[e] *= std::pow(10.0, 2 * (e % 5) - 5);
      }},
 };
 
