@@ -89,7 +89,7 @@ class TautSystem {
     void report();
 
   private:
-    void correct(const Attempt& attempt, const std::bitset<W>& good);
+    void correct(const Attempt& attempt);
     void arrive(int l);
 
     InextensibilityBuffers<W>& buffers_;
@@ -122,16 +122,15 @@ bool TautSystem<W>::solve(const Attempt& attempt) {
     }
     if (!any) return true;
     assemble_taut<W>(g_, gamma_.value);
-    correct(attempt, buffers_.cholesky.factor(g_.block));
+    correct(attempt);
     for (int l = 0; l < W; ++l)
         if (usable_[l] && !(best_[l] <= good_residual)) return false;
     return true;
 }
 
 template <int W>
-void TautSystem<W>::correct(const Attempt& attempt, const std::bitset<W>& good) {
+void TautSystem<W>::correct(const Attempt& attempt) {
     LaneNumbers force, length, scale;
-    for (int l = 0; l < W; ++l) going_[l] = going_[l] && good[l];
     for (int correction = 0;; ++correction) {
         taut_residual<W>(g_, gamma_.value, force.value, length.value);
         for (int l = 0; l < W; ++l) {
@@ -149,7 +148,12 @@ void TautSystem<W>::correct(const Attempt& attempt, const std::bitset<W>& good) 
                 arrive(l);
         }
         if (std::none_of(going_.begin(), going_.end(), [](bool g) { return g; })) return;
-        buffers_.cholesky.solve(g_.step);
+        if (correction == 0) {
+            const std::bitset<W> good = buffers_.cholesky.factor_and_solve(g_.block, g_.step);
+            for (int l = 0; l < W; ++l) going_[l] = going_[l] && good[l];
+        } else {
+            buffers_.cholesky.solve(g_.step);
+        }
         taut_correction<W>(g_, gamma_.value);
     }
 }

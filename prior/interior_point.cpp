@@ -164,12 +164,10 @@ bool Group<W>::check(int iteration) {
 template <int W>
 void Group<W>::step(int iteration) {
     PerLane<W> inverse, centre, length, reach, trial_inverse, use_trial;
-    const std::bitset<W> good = buffers_.cholesky.factor(g_.block);
+    const std::bitset<W> good = buffers_.cholesky.factor_and_solve(g_.block, g_.step);
     lap_.lap(seconds_.factor);
     for (int l = 0; l < W; ++l)
         if (running_[l] && !good[l]) finish(l, Status::accuracy_not_reached, iteration);
-    buffers_.cholesky.solve(g_.step);
-    lap_.lap(seconds_.solve);
     measure_affine<W>(g_, inverse.value);
     for (int l = 0; l < W; ++l) {
         const double affine = 1.0 / std::max(inverse[l], 1.0);
