@@ -75,8 +75,8 @@ bool DerivativeLanes<W>::set_right_side(int lane, const double* from) {
 
 template <int W>
 void DerivativeLanes<W>::build() {
-    SpringLanes<W>::linearize(graph_, position_.data(), exact_, form_.data());
-    SpringLanes<W>::diagonal_blocks(graph_, form_.data(), exact_factor_, diagonal_.data());
+    linearize_springs<W>(graph_, position_.data(), exact_, form_.data());
+    spring_diagonal<W>(graph_, form_.data(), exact_factor_, diagonal_.data());
     preconditioner_->factor(form_.data(), diagonal_.data(), exact_factor_, lost_pivot_);
 }
 
@@ -98,13 +98,13 @@ void DerivativeLanes<W>::factor() {
 /// Scales each lane's right-hand side to a largest entry of one: no sum over- or underflows.
 template <int W>
 void DerivativeLanes<W>::normalize() {
-    VectorLanes<W>::largest(size_, right_side_.data(), size_of_right_side_);
+    largest_in_lanes<W>(size_, right_side_.data(), size_of_right_side_);
     for (int l = 0; l < W; ++l) {
         const double size = size_of_right_side_[l];
         sweeping_[l] = loaded_[l] && size > 0.0 && std::isfinite(size);
         length_[l] = sweeping_[l] ? 1.0 / size : 0.0;
     }
-    VectorLanes<W>::scale(size_, length_, right_side_.data());
+    scale_lanes<W>(size_, length_, right_side_.data());
 }
 
 template <int W>
@@ -117,18 +117,18 @@ bool DerivativeLanes<W>::any_sweeping() const {
 template <int W>
 void DerivativeLanes<W>::sweep() {
     for (int l = 0; l < W; ++l) length_[l] = sweeping_[l] ? 1.0 : 0.0;
-    VectorLanes<W>::restart(size_, length_, right_side_.data(), solution_.data(), residual_.data());
+    restart_lanes<W>(size_, length_, right_side_.data(), solution_.data(), residual_.data());
     preconditioner_->solve(residual_.data(), conditioned_.data(), r_dot_z_);
     std::copy_n(conditioned_.data(), conditioned_.size(), search_.data());
     for (int k = 0; k < max_sweeps_ && any_sweeping(); ++k) {
-        SpringLanes<W>::multiply(graph_, form_.data(), search_.data(), product_.data(), curvature_, squared_);
+        multiply_springs<W>(graph_, form_.data(), search_.data(), product_.data(), curvature_, squared_);
         for (int l = 0; l < W; ++l) {
             indefinite_[l] |= sweeping_[l] && !(curvature_[l] > 0.0);
             sweeping_[l] = sweeping_[l] && curvature_[l] > 0.0;
             length_[l] = sweeping_[l] ? r_dot_z_[l] / curvature_[l] : 0.0;
         }
-        VectorLanes<W>::advance(size_, length_, search_.data(), product_.data(), solution_.data(), residual_.data(),
-                                squared_, largest_);
+        advance_lanes<W>(size_, length_, search_.data(), product_.data(), solution_.data(), residual_.data(), squared_,
+                         largest_);
         for (int l = 0; l < W; ++l) sweeping_[l] = sweeping_[l] && largest_[l] > goal;
         if (!any_sweeping()) break;
         preconditioner_->solve(residual_.data(), conditioned_.data(), r_dot_z_next_);
@@ -136,7 +136,7 @@ void DerivativeLanes<W>::sweep() {
             turn_[l] = sweeping_[l] ? r_dot_z_next_[l] / r_dot_z_[l] : 0.0;
             r_dot_z_[l] = r_dot_z_next_[l];
         }
-        VectorLanes<W>::turn(size_, turn_, conditioned_.data(), search_.data());
+        turn_lanes<W>(size_, turn_, conditioned_.data(), search_.data());
     }
 }
 
@@ -159,9 +159,9 @@ void DerivativeLanes<W>::solve() {
 /// Reports the residuals that are, not those that were carried along, and gives solutions their size back.
 template <int W>
 void DerivativeLanes<W>::measure() {
-    SpringLanes<W>::multiply(graph_, form_.data(), solution_.data(), product_.data(), curvature_, squared_);
-    VectorLanes<W>::difference(size_, right_side_.data(), product_.data(), residual_.data());
-    VectorLanes<W>::largest(size_, residual_.data(), largest_);
+    multiply_springs<W>(graph_, form_.data(), solution_.data(), product_.data(), curvature_, squared_);
+    subtract_lanes<W>(size_, right_side_.data(), product_.data(), residual_.data());
+    largest_in_lanes<W>(size_, residual_.data(), largest_);
     for (int l = 0; l < W; ++l) {
         DerivativeReport& report = report_[l];
         report = DerivativeReport{};
@@ -171,7 +171,7 @@ void DerivativeLanes<W>::measure() {
         report.active_set_distance = 1.0;
         report.status = report.linear_residual <= accepted ? Status::converged : Status::accuracy_not_reached;
     }
-    VectorLanes<W>::scale(size_, size_of_right_side_, solution_.data());
+    scale_lanes<W>(size_, size_of_right_side_, solution_.data());
 }
 
 template class DerivativeLanes<1>;

@@ -175,7 +175,7 @@ bool NewtonLanes<W>::refill(const std::function<int(QuasistaticSample&)>& take) 
         }
     }
     if (count == 0) return false;
-    SpringLanes<W>::evaluate(graph_, position_.data(), predicted_.data(), gradient_.data(), value_);
+    evaluate_springs<W>(graph_, position_.data(), predicted_.data(), gradient_.data(), value_);
     bool moved = false;
     for (int l = 0; l < W; ++l) {
         if (!fresh[l]) continue;
@@ -183,7 +183,7 @@ bool NewtonLanes<W>::refill(const std::function<int(QuasistaticSample&)>& take) 
         if (!(lane_[l].scale > 0.0)) lane_[l].scale = 1.0;
         moved |= start(l);
     }
-    if (moved) SpringLanes<W>::evaluate(graph_, position_.data(), predicted_.data(), gradient_.data(), value_);
+    if (moved) evaluate_springs<W>(graph_, position_.data(), predicted_.data(), gradient_.data(), value_);
     lap(assembly);
     return true;
 }
@@ -225,9 +225,9 @@ bool NewtonLanes<W>::is_flat(int l) const {
 template <int W>
 void NewtonLanes<W>::build_hessian() {
     std::fill_n(exact_, W, rules_.exact_hessian ? 1.0 : 0.0);
-    SpringLanes<W>::linearize(graph_, position_.data(), exact_, form_.data());
+    linearize_springs<W>(graph_, position_.data(), exact_, form_.data());
     std::fill_n(exact_, W, 0.0);
-    SpringLanes<W>::diagonal_blocks(graph_, form_.data(), exact_, diagonal_.data());
+    spring_diagonal<W>(graph_, form_.data(), exact_, diagonal_.data());
     lap(assembly);
     preconditioner_->factor(form_.data(), diagonal_.data(), exact_, lost_pivot_);
     lap(factor);
@@ -245,7 +245,7 @@ void NewtonLanes<W>::begin_sweeps() {
     std::fill_n(direction_.data(), direction_.size(), 0.0);
     preconditioner_->solve(residual_.data(), conditioned_.data(), r_dot_z_);
     std::copy_n(conditioned_.data(), conditioned_.size(), search_.data());
-    VectorLanes<W>::dot(size_, residual_.data(), residual_.data(), residual_squared_);
+    dot_lanes<W>(size_, residual_.data(), residual_.data(), residual_squared_);
     lap(preconditioning);
     for (int l = 0; l < W; ++l) {
         Lane& lane = lane_[l];
@@ -281,10 +281,10 @@ template <int W>
 void NewtonLanes<W>::solve_system() {
     begin_sweeps();
     for (int k = 0; any_sweeping(); ++k) {
-        SpringLanes<W>::multiply(graph_, form_.data(), search_.data(), product_.data(), curvature_, search_squared_);
+        multiply_springs<W>(graph_, form_.data(), search_.data(), product_.data(), curvature_, search_squared_);
         accept_curvature(k);
-        VectorLanes<W>::advance(size_, length_, search_.data(), product_.data(), direction_.data(), residual_.data(),
-                                residual_squared_, residual_largest_);
+        advance_lanes<W>(size_, length_, search_.data(), product_.data(), direction_.data(), residual_.data(),
+                         residual_squared_, residual_largest_);
         for (int l = 0; l < W; ++l) {
             Lane& lane = lane_[l];
             if (!lane.sweeping) continue;
@@ -301,7 +301,7 @@ void NewtonLanes<W>::solve_system() {
             turn_[l] = lane_[l].sweeping ? r_dot_z_next_[l] / r_dot_z_[l] : 0.0;
             r_dot_z_[l] = r_dot_z_next_[l];
         }
-        VectorLanes<W>::turn(size_, turn_, conditioned_.data(), search_.data());
+        turn_lanes<W>(size_, turn_, conditioned_.data(), search_.data());
         lap(preconditioning);
     }
 }
@@ -336,9 +336,9 @@ void NewtonLanes<W>::search_line() {
         lane.report.iterations += lane.searching;
     }
     for (bool again = true; again;) {
-        VectorLanes<W>::step(size_, length_, position_.data(), direction_.data(), gradient_.data(), origin_,
-                             trial_.data(), slope_);
-        SpringLanes<W>::evaluate(graph_, trial_.data(), predicted_.data(), trial_gradient_.data(), trial_value_);
+        step_lanes<W>(size_, length_, position_.data(), direction_.data(), gradient_.data(), origin_, trial_.data(),
+                      slope_);
+        evaluate_springs<W>(graph_, trial_.data(), predicted_.data(), trial_gradient_.data(), trial_value_);
         again = false;
         for (int l = 0; l < W; ++l) {
             Lane& lane = lane_[l];

@@ -70,7 +70,7 @@ class NewtonLanes {
     const std::function<void(int)>* give_up_ = nullptr;
     LaneArray predicted_, position_, trial_, gradient_, trial_gradient_, direction_, residual_, conditioned_, search_,
         product_, form_, diagonal_;
-    typename SpringLanes<W>::Value value_, trial_value_;
+    SpringValue<W> value_, trial_value_;
     alignas(64) double exact_[W], lost_pivot_[W], origin_[3 * W], length_[W], turn_[W], curvature_[W],
         search_squared_[W], residual_squared_[W], residual_largest_[W], r_dot_z_[W], r_dot_z_next_[W], slope_[W];
     std::unique_ptr<Lane[]> lane_;

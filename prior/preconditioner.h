@@ -8,8 +8,9 @@ class Preconditioner {
   public:
     virtual ~Preconditioner() = default;
 
-    /// Takes the Hessians that `form` and `diagonal` hold (`SpringLanes`), projected where `exact` `[W]` is 0. Lanes
-    /// that were not positive definite have `lost_pivot` `[W]` above 0, and something positive definite in their place.
+    /// Takes the Hessians that `form` and `diagonal` hold (prior/spring_lanes.h), projected where `exact` `[W]` is 0.
+    /// Lanes that were not positive definite have `lost_pivot` `[W]` above 0, and something positive definite in their
+    /// place.
     virtual void factor(const double* form, const double* diagonal, const double* exact, double* lost_pivot) = 0;
 
     /// z of r, `[V][3][W]`, and the sum r·z `[W]`.

@@ -61,7 +61,7 @@ struct BackwardTask {
     template <int W>
     void finish(const DerivativeLanes<W>& lanes, const int* sample, int count) const {
         alignas(64) double moduli[3 * W];
-        SpringLanes<W>::dot_moduli(batch.graph, lanes.position(), lanes.solution(), moduli);
+        dot_moduli<W>(batch.graph, lanes.position(), lanes.solution(), moduli);
         for (int l = 0; l < count; ++l) {
             if (!lanes.loaded(l)) continue;
             const auto i = static_cast<size_t>(sample[l]);
@@ -132,7 +132,7 @@ struct TangentTask {
             for (int l = 0; l < count; ++l)
                 if (lanes.loaded(l) && !moduli[k].empty())
                     factor[W * k + l] = -batch.graph.length_unit * moduli[k][static_cast<size_t>(sample[l])];
-        SpringLanes<W>::add_moduli(batch.graph, lanes.position(), factor, lanes.right_side());
+        add_moduli<W>(batch.graph, lanes.position(), factor, lanes.right_side());
     }
 
     void reject(int sample) const {

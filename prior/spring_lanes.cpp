@@ -22,8 +22,8 @@ template <int W>
 }  // namespace
 
 template <int W>
-TOILE_LANE_KERNEL void SpringLanes<W>::evaluate(const SpringGraph& graph, const double* position,
-                                                const double* predicted, double* gradient, Value& value) {
+TOILE_LANE_KERNEL void evaluate_springs(const SpringGraph& graph, const double* position, const double* predicted,
+                                        double* gradient, SpringValue<W>& value) {
     const int vertices = graph.vertex_count;
     const int* first = graph.first.data();
     const SpringGraph::Spring* spring = graph.spring.data();
@@ -62,8 +62,8 @@ TOILE_LANE_KERNEL void SpringLanes<W>::evaluate(const SpringGraph& graph, const 
 }
 
 template <int W>
-TOILE_LANE_KERNEL void SpringLanes<W>::linearize(const SpringGraph& graph, const double* position, const double* exact,
-                                                 double* form) {
+TOILE_LANE_KERNEL void linearize_springs(const SpringGraph& graph, const double* position, const double* exact,
+                                         double* form) {
     const SpringGraph::Spring* spring = graph.spring.data();
     const Lane<W> zero = lane_broadcast<W>(0.0);
     const auto keep_exact = lane_less(zero, load_lanes<W>(exact));
@@ -86,8 +86,8 @@ TOILE_LANE_KERNEL void SpringLanes<W>::linearize(const SpringGraph& graph, const
 }
 
 template <int W>
-TOILE_LANE_KERNEL void SpringLanes<W>::diagonal_blocks(const SpringGraph& graph, const double* form,
-                                                       const double* exact, double* diagonal) {
+TOILE_LANE_KERNEL void spring_diagonal(const SpringGraph& graph, const double* form, const double* exact,
+                                       double* diagonal) {
     const SpringGraph::Spring* spring = graph.spring.data();
     const Lane<W> zero = lane_broadcast<W>(0.0);
     const auto keep_exact = lane_less(zero, load_lanes<W>(exact));
@@ -113,8 +113,8 @@ TOILE_LANE_KERNEL void SpringLanes<W>::diagonal_blocks(const SpringGraph& graph,
 }
 
 template <int W>
-TOILE_LANE_KERNEL void SpringLanes<W>::multiply(const SpringGraph& graph, const double* form, const double* x,
-                                                double* product, double* x_dot_product, double* x_squared) {
+TOILE_LANE_KERNEL void multiply_springs(const SpringGraph& graph, const double* form, const double* x, double* product,
+                                        double* x_dot_product, double* x_squared) {
     const int vertices = graph.vertex_count;
     const int* first = graph.first.data();
     const SpringGraph::Spring* spring = graph.spring.data();
@@ -144,8 +144,7 @@ TOILE_LANE_KERNEL void SpringLanes<W>::multiply(const SpringGraph& graph, const 
 }
 
 template <int W>
-TOILE_LANE_KERNEL void SpringLanes<W>::dot_moduli(const SpringGraph& graph, const double* position, const double* x,
-                                                  double* sum) {
+TOILE_LANE_KERNEL void dot_moduli(const SpringGraph& graph, const double* position, const double* x, double* sum) {
     Lane<W> edge = lane_broadcast<W>(0.0), bending = edge, axial = edge;
     for (int a = 0; a < graph.vertex_count; ++a) {
         for (int s = graph.first[a]; s < graph.first[a + 1]; ++s) {
@@ -165,8 +164,7 @@ TOILE_LANE_KERNEL void SpringLanes<W>::dot_moduli(const SpringGraph& graph, cons
 }
 
 template <int W>
-TOILE_LANE_KERNEL void SpringLanes<W>::add_moduli(const SpringGraph& graph, const double* position,
-                                                  const double* factor, double* x) {
+TOILE_LANE_KERNEL void add_moduli(const SpringGraph& graph, const double* position, const double* factor, double* x) {
     const LaneVector<W> f = load_vector<W>(factor);
     for (int a = 0; a < graph.vertex_count; ++a) {
         for (int s = graph.first[a]; s < graph.first[a + 1]; ++s) {
@@ -181,7 +179,15 @@ TOILE_LANE_KERNEL void SpringLanes<W>::add_moduli(const SpringGraph& graph, cons
     }
 }
 
-template struct SpringLanes<1>;
-template struct SpringLanes<8>;
+#define TOILE_INSTANTIATE(W)                                                                                        \
+    template void evaluate_springs<W>(const SpringGraph&, const double*, const double*, double*, SpringValue<W>&);  \
+    template void linearize_springs<W>(const SpringGraph&, const double*, const double*, double*);                  \
+    template void spring_diagonal<W>(const SpringGraph&, const double*, const double*, double*);                    \
+    template void multiply_springs<W>(const SpringGraph&, const double*, const double*, double*, double*, double*); \
+    template void dot_moduli<W>(const SpringGraph&, const double*, const double*, double*);                         \
+    template void add_moduli<W>(const SpringGraph&, const double*, const double*, double*);
+TOILE_INSTANTIATE(1)
+TOILE_INSTANTIATE(8)
+#undef TOILE_INSTANTIATE
 
 }  // namespace toile::prior

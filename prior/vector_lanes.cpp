@@ -5,32 +5,32 @@
 namespace toile::prior {
 
 template <int W>
-TOILE_LANE_KERNEL void VectorLanes<W>::dot(int size, const double* x, const double* y, double* sum) {
+TOILE_LANE_KERNEL void dot_lanes(int size, const double* x, const double* y, double* sum) {
     Lane<W> total = lane_broadcast<W>(0.0);
     for (int i = 0; i < size; ++i) total += load_lanes<W>(x + W * i) * load_lanes<W>(y + W * i);
     store_lanes<W>(sum, total);
 }
 
 template <int W>
-TOILE_LANE_KERNEL void VectorLanes<W>::largest(int size, const double* x, double* result) {
+TOILE_LANE_KERNEL void largest_in_lanes(int size, const double* x, double* result) {
     Lane<W> most = lane_broadcast<W>(0.0);
     for (int i = 0; i < size; ++i) most = lane_max(most, lane_abs(load_lanes<W>(x + W * i)));
     store_lanes<W>(result, most);
 }
 
 template <int W>
-TOILE_LANE_KERNEL void VectorLanes<W>::scale(int size, const double* a, double* x) {
+TOILE_LANE_KERNEL void scale_lanes(int size, const double* a, double* x) {
     const Lane<W> factor = load_lanes<W>(a);
     for (int i = 0; i < size; ++i) store_lanes<W>(x + W * i, factor * load_lanes<W>(x + W * i));
 }
 
 template <int W>
-TOILE_LANE_KERNEL void VectorLanes<W>::difference(int size, const double* x, const double* y, double* z) {
+TOILE_LANE_KERNEL void subtract_lanes(int size, const double* x, const double* y, double* z) {
     for (int i = 0; i < size; ++i) store_lanes<W>(z + W * i, load_lanes<W>(x + W * i) - load_lanes<W>(y + W * i));
 }
 
 template <int W>
-TOILE_LANE_KERNEL void VectorLanes<W>::restart(int size, const double* a, const double* b, double* x, double* r) {
+TOILE_LANE_KERNEL void restart_lanes(int size, const double* a, const double* b, double* x, double* r) {
     const Lane<W> zero = lane_broadcast<W>(0.0);
     const LaneMask<W> chosen = lane_less(zero, load_lanes<W>(a));
     for (int i = 0; i < size; ++i) {
@@ -40,8 +40,8 @@ TOILE_LANE_KERNEL void VectorLanes<W>::restart(int size, const double* a, const 
 }
 
 template <int W>
-TOILE_LANE_KERNEL void VectorLanes<W>::advance(int size, const double* a, const double* p, const double* y, double* x,
-                                               double* r, double* r_squared, double* r_largest) {
+TOILE_LANE_KERNEL void advance_lanes(int size, const double* a, const double* p, const double* y, double* x, double* r,
+                                     double* r_squared, double* r_largest) {
     const Lane<W> length = load_lanes<W>(a);
     Lane<W> sum = lane_broadcast<W>(0.0), most = sum;
     for (int i = 0; i < size; ++i) {
@@ -56,15 +56,15 @@ TOILE_LANE_KERNEL void VectorLanes<W>::advance(int size, const double* a, const 
 }
 
 template <int W>
-TOILE_LANE_KERNEL void VectorLanes<W>::turn(int size, const double* b, const double* z, double* q) {
+TOILE_LANE_KERNEL void turn_lanes(int size, const double* b, const double* z, double* q) {
     const Lane<W> factor = load_lanes<W>(b);
     for (int i = 0; i < size; ++i)
         store_lanes<W>(q + W * i, load_lanes<W>(z + W * i) + factor * load_lanes<W>(q + W * i));
 }
 
 template <int W>
-TOILE_LANE_KERNEL void VectorLanes<W>::step(int size, const double* s, const double* x, const double* d,
-                                            const double* g, const double* origin, double* trial, double* g_dot_d) {
+TOILE_LANE_KERNEL void step_lanes(int size, const double* s, const double* x, const double* d, const double* g,
+                                  const double* origin, double* trial, double* g_dot_d) {
     const Lane<W> length = load_lanes<W>(s);
     const Lane<W> zero = lane_broadcast<W>(0.0);
     const LaneMask<W> moves = lane_less(zero, length);
@@ -82,7 +82,19 @@ TOILE_LANE_KERNEL void VectorLanes<W>::step(int size, const double* s, const dou
     store_lanes<W>(g_dot_d, sum);
 }
 
-template struct VectorLanes<1>;
-template struct VectorLanes<8>;
+#define TOILE_INSTANTIATE(W)                                                                                    \
+    template void dot_lanes<W>(int, const double*, const double*, double*);                                     \
+    template void largest_in_lanes<W>(int, const double*, double*);                                             \
+    template void scale_lanes<W>(int, const double*, double*);                                                  \
+    template void subtract_lanes<W>(int, const double*, const double*, double*);                                \
+    template void restart_lanes<W>(int, const double*, const double*, double*, double*);                        \
+    template void advance_lanes<W>(int, const double*, const double*, const double*, double*, double*, double*, \
+                                   double*);                                                                    \
+    template void turn_lanes<W>(int, const double*, const double*, double*);                                    \
+    template void step_lanes<W>(int, const double*, const double*, const double*, const double*, const double*, \
+                                double*, double*);
+TOILE_INSTANTIATE(1)
+TOILE_INSTANTIATE(8)
+#undef TOILE_INSTANTIATE
 
 }  // namespace toile::prior

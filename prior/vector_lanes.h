@@ -3,29 +3,32 @@
 namespace toile::prior {
 
 /// Loops over vectors of W samples side by side (cloth/lane.h): arrays `[size][W]`, numbers of one lane `[W]`, all
-/// aligned to `lane_alignment<W>`.
-template <int W>
-struct VectorLanes {
-    static void dot(int size, const double* x, const double* y, double* sum);
-    static void largest(int size, const double* x, double* result);
-    /// x *= a.
-    static void scale(int size, const double* a, double* x);
-    /// z = x − y.
-    static void difference(int size, const double* x, const double* y, double* z);
-    /// Where a > 0: x = 0 and r = b.
-    static void restart(int size, const double* a, const double* b, double* x, double* r);
-    /// x += a p, r −= a y; gives r·r and the largest |r|.
-    static void advance(int size, const double* a, const double* p, const double* y, double* x, double* r,
-                        double* r_squared, double* r_largest);
-    /// q = z + b q.
-    static void turn(int size, const double* b, const double* z, double* q);
-    /// trial = x − s d as it would be stored, rounded like (trial + origin) − origin with `origin` `[3][W]`; size is a
-    /// multiple of three. No step where s = 0, whatever d. Gives g·d.
-    static void step(int size, const double* s, const double* x, const double* d, const double* g, const double* origin,
-                     double* trial, double* g_dot_d);
-};
+/// aligned to `lane_alignment<W>`. Instantiated for W = 1 and 8.
 
-extern template struct VectorLanes<1>;
-extern template struct VectorLanes<8>;
+template <int W>
+void dot_lanes(int size, const double* x, const double* y, double* sum);
+template <int W>
+void largest_in_lanes(int size, const double* x, double* result);
+/// x *= a.
+template <int W>
+void scale_lanes(int size, const double* a, double* x);
+/// z = x − y.
+template <int W>
+void subtract_lanes(int size, const double* x, const double* y, double* z);
+/// Where a > 0: x = 0 and r = b.
+template <int W>
+void restart_lanes(int size, const double* a, const double* b, double* x, double* r);
+/// x += a p, r −= a y; gives r·r and the largest |r|.
+template <int W>
+void advance_lanes(int size, const double* a, const double* p, const double* y, double* x, double* r, double* r_squared,
+                   double* r_largest);
+/// q = z + b q.
+template <int W>
+void turn_lanes(int size, const double* b, const double* z, double* q);
+/// trial = x − s d as it would be stored, rounded like (trial + origin) − origin with `origin` `[3][W]`; size is a
+/// multiple of three. No step where s = 0, whatever d. Gives g·d.
+template <int W>
+void step_lanes(int size, const double* s, const double* x, const double* d, const double* g, const double* origin,
+                double* trial, double* g_dot_d);
 
 }  // namespace toile::prior
