@@ -1,8 +1,13 @@
+#include <benchmark/benchmark.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <iostream>
 
+#include "bench/prior_benchmarks.h"
+#include "bench/speed_results.h"
+#include "bench/speed_scene.h"
 #include "bench/stress.h"
 #include "bench/stress_report.h"
 #include "cloth/error.h"
@@ -11,23 +16,38 @@ namespace {
 
 using namespace toile::bench;
 
-struct StressFlags {
+struct Flags {
+    bool stress = false;
     StressDraw draw;
     int count = 10'000;
     int jobs = 1;
     int only = -1;
     std::string failures;
+
+    bool table = false;
+    std::string gate, write_baseline, filter = "all";
+    int repetitions = 5;
+
+    bool speed() const { return table || !gate.empty() || !write_baseline.empty(); }
 };
 
-void add_stress_flags(CLI::App& app, StressFlags& flags) {
+void add_flags(CLI::App& app, Flags& flags) {
+    app.add_flag("--table", flags.table, "measure and print the speed table, as Markdown");
+    app.add_option("--gate", flags.gate, "measure and compare with this baseline; exit status 1 for a regression");
+    app.add_option("--write-baseline", flags.write_baseline, "measure and write a baseline");
+    app.add_option("--filter", flags.filter, "rows to measure, as a regular expression; the units always are");
+    app.add_option("--repetitions", flags.repetitions, "of each row; the least counts")->check(CLI::PositiveNumber);
+    app.add_flag("--stress", flags.stress,
+                 "solve random problems and tell which fell short; exit status 1 if anything "
+                 "claimed an accuracy that it does not have");
     app.add_option("--count", flags.count, "problems of the stress run")->check(CLI::PositiveNumber);
     app.add_option("--seed", flags.draw.seed, "what the problems are drawn from");
     app.add_option("--jobs", flags.jobs, "problems at a time")->check(CLI::PositiveNumber);
-    app.add_option("--only", flags.only, "run this problem alone")->check(CLI::NonNegativeNumber);
+    app.add_option("--only", flags.only, "solve this problem alone")->check(CLI::NonNegativeNumber);
     app.add_option("--failures", flags.failures, "write the samples that fell short to this file, as JSON");
 }
 
-int stress(const StressFlags& flags) {
+int stress(const Flags& flags) {
     const bool one = flags.only >= 0;
     const int first = one ? flags.only : 0, count = one ? 1 : flags.count;
     const auto outcome = run_stress(flags.draw, first, count, flags.jobs, [count](int done) {
@@ -42,21 +62,67 @@ int stress(const StressFlags& flags) {
     return any_false_claim(outcome) ? 1 : 0;
 }
 
+SpeedResults measure(const Flags& flags, const char* program) {
+    SpeedResults results;
+    // first, while this process is small
+    results.peak_memory["inextensibility"] = inextensibility_peak_memory();
+    results.overstretched_share = speed_scene(table_around, table_along, table_batch).overstretched_share();
+    register_prior_benchmarks(flags.repetitions);
+    // interleaved: a busy spell of the machine hits units and rows alike
+    std::string name = program, interleave = "--benchmark_enable_random_interleaving=true";
+    char* arguments[] = {name.data(), interleave.data(), nullptr};
+    int count = 2;
+    benchmark::Initialize(&count, arguments);
+    TimingCollector collector(results.timing);
+    benchmark::RunSpecifiedBenchmarks(&collector, flags.filter == "all" ? "all" : "^unit/|" + flags.filter);
+    return results;
+}
+
+int speed(const Flags& flags, const char* program) {
+    const std::vector<Metric> baseline = flags.gate.empty() ? std::vector<Metric>{} : read_metrics(flags.gate);
+    const SpeedResults results = measure(flags, program);
+    print_speed_table(std::cout, results);
+    if (!flags.write_baseline.empty()) write_metrics(metrics(results), flags.write_baseline);
+    const std::vector<std::string> worse = regressions(baseline, metrics(results));
+    for (const std::string& line : worse) std::cout << "regression: " << line << '\n';
+    if (!flags.gate.empty() && worse.empty()) std::cout << "gate: " << baseline.size() << " metrics, no regression\n";
+    return worse.empty() ? 0 : 1;
+}
+
+/// Without a flag of ours: Google Benchmark's own program, with its flags.
+int plain(int argc, char** argv) {
+    register_prior_benchmarks(1);
+    benchmark::Initialize(&argc, argv);
+    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+    benchmark::RunSpecifiedBenchmarks();
+    return 0;
+}
+
+int run(int argc, char** argv) {
+    Flags flags;
+    CLI::App app(
+        "Speed and stress of the two priors. Without a flag, or with --benchmark_..., Google Benchmark's own "
+        "program.");
+    add_flags(app, flags);
+    app.allow_extras();
+    CLI11_PARSE(app, argc, argv);
+    if (!flags.stress && !flags.speed()) return plain(argc, argv);
+    if (const auto extra = app.remaining(); !extra.empty()) throw toile::Error("unknown argument " + extra.front());
+    return flags.stress ? stress(flags) : speed(flags, argv[0]);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-    CLI::App app("Speed and stress of the priors.");
-    bool run_stress_flag = false;
-    StressFlags stress_flags;
-    app.add_flag("--stress", run_stress_flag, "random problems: how many meet their tolerance");
-    add_stress_flags(app, stress_flags);
-    CLI11_PARSE(app, argc, argv);
     try {
-        if (run_stress_flag) return stress(stress_flags);
+        return run(argc, argv);
     } catch (const toile::Error& error) {
-        std::fprintf(stderr, "bench_prior: %s%s%s%s\n", error.what(), error.where().empty() ? "" : " (",
-                     error.where().c_str(), error.where().empty() ? "" : ")");
+        const std::string where = error.where().empty() ? "" : " (" + error.where() + ")";
+        std::fprintf(stderr, "bench_prior: %s%s\n%s%s", error.what(), where.c_str(), error.mend().c_str(),
+                     error.mend().empty() ? "" : "\n");
         return 2;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "bench_prior: %s\n", error.what());
+        return 1;
     }
-    return 0;
 }

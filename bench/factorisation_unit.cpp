@@ -2,6 +2,8 @@
 
 #include <cholmod.h>
 
+#include <iomanip>
+#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -108,24 +110,16 @@ double FactorisationUnit::solve_error() {
     return (product - right).lpNorm<Eigen::Infinity>() / right.lpNorm<Eigen::Infinity>();
 }
 
-const char* FactorisationUnit::ordering() const {
-    if (impl_->toile) return "AMD";
-    switch (impl_->factor->ordering) {
-        case CHOLMOD_AMD:
-            return "AMD";
-        case CHOLMOD_METIS:
-            return "METIS";
-        default:
-            return "another ordering";
-    }
-}
-
-bool FactorisationUnit::supernodal() const {
-    return impl_->toile || impl_->factor->is_super;
-}
-
-double FactorisationUnit::factor_nonzeros() const {
-    return impl_->toile ? impl_->toile->factor_nonzeros() : impl_->common.lnz;
+std::string FactorisationUnit::description() const {
+    const cholmod_factor* factor = impl_->factor;
+    const double nonzeros = impl_->toile ? impl_->toile->factor_nonzeros() : impl_->common.lnz;
+    std::ostringstream text;
+    text << (impl_->toile || factor->is_super ? "supernodal, " : "simplicial, ")
+         << (impl_->toile || factor->ordering == CHOLMOD_AMD ? "AMD, "
+             : factor->ordering == CHOLMOD_METIS             ? "METIS, "
+                                                             : "another ordering, ")
+         << std::setprecision(2) << 1e-6 * nonzeros << " M nonzeros";
+    return text.str();
 }
 
 }  // namespace toile::bench

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "cloth/types.h"
 
@@ -22,10 +23,8 @@ class FactorisationUnit {
     bool factor();
     /// Relative residual of a solve with the factor: shows that it is one.
     double solve_error();
-    /// What CHOLMOD chose.
-    const char* ordering() const;
-    bool supernodal() const;
-    double factor_nonzeros() const;
+    /// What CHOLMOD chose, such as "supernodal, METIS, 0.48 M nonzeros".
+    std::string description() const;
 
   private:
     struct Impl;

@@ -1,0 +1,159 @@
+#include "bench/speed_results.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <iomanip>
+#include <limits>
+#include <ostream>
+#include <sstream>
+
+namespace toile::bench {
+namespace {
+
+constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
+
+bool starts_with(const std::string& text, const std::string& start) {
+    return text.compare(0, start.size(), start) == 0;
+}
+
+/// The parts of a name between slashes.
+std::vector<std::string> parts_of(const std::string& name) {
+    std::vector<std::string> parts;
+    std::istringstream stream(name);
+    for (std::string part; std::getline(stream, part, '/');) parts.push_back(part);
+    return parts;
+}
+
+/// The targets for the default methods, in units; NaN where it names none. One sample alone may take three
+/// times what it takes in a batch.
+double target(const std::vector<std::string>& row) {
+    const bool is_default = row[1] == "interior_point" || row[1] == "fast";
+    if (!is_default || row[4] == "warm") return no_number;
+    const bool loose = row[0] == "quasistatic" || row[2] == "1e-4";
+    return (row[4] == "alone" ? 3 : 1) * (row[3] == "backward" ? 0.1 : loose ? 0.4 : 1.0);
+}
+
+std::string number(double value, int digits = 3) {
+    if (std::isnan(value)) return "";
+    std::ostringstream text;
+    text << std::setprecision(digits) << value;
+    return text.str();
+}
+
+}  // namespace
+
+double SpeedResults::units(const std::string& row, const std::string& unit) const {
+    const auto one = timing.find(unit), found = timing.find(row);
+    if (one == timing.end() || found == timing.end() || !one->second.refused.empty() || !found->second.refused.empty())
+        return no_number;
+    return found->second.milliseconds / one->second.milliseconds;
+}
+
+double SpeedResults::exponent(const std::string& name) const {
+    std::vector<double> size, time;
+    for (const auto& [key, row] : timing) {
+        if (!starts_with(key, "scaling/" + name + "/") || !row.refused.empty()) continue;
+        size.push_back(std::log(std::stod(parts_of(key).back())));
+        time.push_back(std::log(row.milliseconds));
+    }
+    if (size.size() < 2) return no_number;
+    Eigen::MatrixX2d line(size.size(), 2);
+    line.col(0).setOnes();
+    line.col(1) = Eigen::Map<Eigen::VectorXd>(size.data(), line.rows());
+    const Eigen::VectorXd fit = line.colPivHouseholderQr().solve(Eigen::Map<Eigen::VectorXd>(time.data(), line.rows()));
+    return fit[1];
+}
+
+bool TimingCollector::ReportContext(const Context&) {
+    return true;
+}
+
+void TimingCollector::ReportRuns(const std::vector<Run>& runs) {
+    for (const Run& run : runs) {
+        if (run.run_type != Run::RT_Iteration) continue;
+        const std::string& name = run.run_name.function_name;
+        const auto [place, is_new] = timing_.try_emplace(name);
+        Timing& timing = place->second;
+        if (run.error_occurred) {
+            timing.refused = run.error_message;
+            std::fprintf(stderr, "%s: refused: %s\n", name.c_str(), run.error_message.c_str());
+            continue;
+        }
+        const double time = run.GetAdjustedCPUTime() / run.counters.at("samples");
+        timing.milliseconds = is_new ? time : std::min(time, timing.milliseconds);
+        timing.iterations = run.counters.at("iterations");
+        timing.label = run.report_label;
+        std::fprintf(stderr, "%s: %.3f ms\n", name.c_str(), time);
+    }
+}
+
+namespace {
+
+void print_rows(std::ostream& out, const SpeedResults& results) {
+    out << "| prior | method | tolerance | what | how | units | target | units of toile's settings | ms | steps |\n"
+           "|---|---|---|---|---|---|---|---|---|---|\n";
+    for (const auto& [name, timing] : results.timing) {
+        const std::vector<std::string> row = parts_of(name);
+        if (row.size() != 5) continue;
+        out << "| ";
+        for (const std::string& part : row) out << part << " | ";
+        if (!timing.refused.empty()) {
+            out << "refused | | | | |\n";
+            continue;
+        }
+        out << number(results.units(name)) << " | " << number(target(row)) << " | "
+            << number(results.units(name, "unit/cholmod_toile")) << " | " << number(timing.milliseconds) << " | "
+            << (timing.iterations > 0 ? number(timing.iterations) : "") << " |\n";
+    }
+}
+
+void print_scaling(std::ostream& out, const SpeedResults& results) {
+    out << "\n| ms a sample at vertices | | | | | | exponent |\n|---|---|---|---|---|---|---|\n";
+    for (const std::string name :
+         {"inextensibility/forward", "inextensibility/backward", "quasistatic/forward", "quasistatic/backward"}) {
+        std::map<int, double> by_size;
+        for (const auto& [key, timing] : results.timing)
+            if (starts_with(key, "scaling/" + name + "/"))
+                by_size[std::stoi(parts_of(key).back())] = timing.refused.empty() ? timing.milliseconds : no_number;
+        if (by_size.empty()) continue;
+        out << "| " << name;
+        for (const auto& [size, time] : by_size) out << " | " << size << ": " << number(time);
+        out << " | " << number(results.exponent(name)) << " |\n";
+    }
+}
+
+}  // namespace
+
+void print_speed_table(std::ostream& out, const SpeedResults& results) {
+    for (const auto& [name, timing] : results.timing)
+        if (starts_with(name, "unit/"))
+            out << name.substr(5) << ": " << number(timing.milliseconds) << " ms (" << timing.label << ")\n";
+    out << "overstretched edges: " << number(100 * results.overstretched_share) << " %\n\n";
+    print_rows(out, results);
+    print_scaling(out, results);
+    out << '\n';
+    for (const auto& [prior, memory] : results.peak_memory)
+        out << "peak memory of a batch of 64, " << prior << ": " << number(memory, 4) << " MB\n";
+    for (const auto& [name, timing] : results.timing)
+        if (!timing.refused.empty()) out << "refused: " << name << ": " << timing.refused << '\n';
+}
+
+std::vector<Metric> metrics(const SpeedResults& results) {
+    std::vector<Metric> list;
+    for (const auto& [name, timing] : results.timing) {
+        if (!timing.refused.empty() || parts_of(name).size() != 5) continue;
+        list.push_back({name, results.units(name), "factorisations", true, 0.25});
+        if (timing.iterations > 0) list.push_back({name + "/steps", timing.iterations, "iterations", true, 0.1});
+    }
+    for (const std::string name :
+         {"inextensibility/forward", "inextensibility/backward", "quasistatic/forward", "quasistatic/backward"})
+        if (const double exponent = results.exponent(name); !std::isnan(exponent))
+            list.push_back({"scaling/" + name, exponent, "exponent", true, 0.1});
+    for (const auto& [prior, memory] : results.peak_memory)
+        if (memory > 0) list.push_back({"memory/" + prior, memory, "MB", true, 0.1});
+    return list;
+}
+
+}  // namespace toile::bench
