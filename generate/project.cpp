@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
 #include "cloth/error.h"
@@ -102,7 +103,7 @@ void count_backward(const Run& run, const Batch& batch) {
         run.summary.backward += one.seconds;
         if (run.work.report()[i].status == prior::Status::rejected_input) continue;
         if (std::isnan(batch.loss[i])) {
-            run.fail(sample, "has no gradient: its target is not finite");
+            run.fail(sample, "has no gradient: its target is not finite, or too far away");
             continue;
         }
         if (one.status != prior::Status::converged)
@@ -166,6 +167,9 @@ void report_progress(const Run& run) {
 ProjectSummary project(const ProjectConfig& config, const ProjectOptions& options) {
     const auto start = Clock::now();
     const files::ProblemFile problem(options.problem);
+    std::error_code absent;
+    if (std::filesystem::equivalent(options.problem, options.out, absent))
+        throw Error("the projection would replace the problem it is made from", options.out, "choose another --out");
     if (options.gradient && !problem.has_target())
         throw Error("a gradient needs /samples/target, which the problem does not have",
                     options.problem + ":/samples/target", "add it, or leave out --gradient");

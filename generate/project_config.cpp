@@ -32,9 +32,10 @@ void bind_quasistatic(ConfigTable& keys, ProjectConfig& config) {
                                    "newton_cg: the paper's own route, for comparison");
     keys.real("mu", config.mu, {.lower = 0, .above = true, .doc = "stiffness of the springs to the prediction"});
     prior::QuasistaticStiffness& stiffness = config.stiffness;
-    keys.real("stretch_stiffness", stiffness.stretch, {.lower = 0, .above = true, .doc = "of edge springs"});
-    keys.real("bending_stiffness", stiffness.bending, {.lower = 0, .doc = "of bending springs"});
-    keys.real("axial_stiffness", stiffness.axial, {.lower = 0, .doc = "of axial springs"});
+    keys.real("stretch_stiffness", stiffness.stretch,
+              {.lower = 0, .above = true, .unit = "N/m", .doc = "of edge springs"});
+    keys.real("bending_stiffness", stiffness.bending, {.lower = 0, .unit = "N/m", .doc = "of bending springs"});
+    keys.real("axial_stiffness", stiffness.axial, {.lower = 0, .unit = "N/m", .doc = "of axial springs"});
     keys.real("tolerance", options.tolerance, {.lower = 1e-12, .upper = 0.1, .doc = "relative optimality residual"});
     keys.integer("max_iterations", options.max_iterations, {.lower = 1, .doc = "second-order steps of a sample"});
 }

@@ -202,6 +202,7 @@ TEST_F(CliProject, RefusesPlacesItCannotWriteTo) {
     Problem(3).write(path("p.h5"));
     expect_refused("project inextensibility p.h5 --out nowhere/o.h5", "nowhere");
     expect_refused("project inextensibility p.h5 --out .", "folder");
+    expect_refused("project inextensibility p.h5 --out ./p.h5", "would replace the problem");
     expect_refused("project inextensibility p.h5 --out o.h5", "o.h5", "ulimit -f 8;");
 }
 
