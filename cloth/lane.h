@@ -76,12 +76,13 @@ template <int W>
     }
 }
 
+/// x in all lanes (-0 as 0). As a factor or summand x itself does, without this.
 template <int W>
 [[gnu::always_inline]] inline Lane<W> lane_broadcast(double x) {
     if constexpr (W == 1)
         return x;
     else
-        return Lane8{x, x, x, x, x, x, x, x};
+        return Lane8{} + x;  // two instructions; a list of eight x would be put together one by one
 }
 
 [[gnu::always_inline]] inline double lane_get(double x, int) {
