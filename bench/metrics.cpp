@@ -28,8 +28,9 @@ std::vector<Metric> read_metrics(const std::string& file) {
     std::ifstream in(file);
     if (!in) throw Error("the baseline cannot be read", file, "bench_prior --write-baseline FILE makes one");
     try {
+        const nlohmann::json document = nlohmann::json::parse(in);
         std::vector<Metric> metrics;
-        for (const auto& entry : nlohmann::json::parse(in).at("metrics")) {
+        for (const auto& entry : document.at("metrics").get_ref<const nlohmann::json::array_t&>()) {
             const std::string direction = entry.at("direction");
             if (direction != "lower" && direction != "higher")
                 throw Error("a direction is \"" + direction + "\": it must be \"lower\" or \"higher\"", file);

@@ -110,17 +110,23 @@ void print_rows(std::ostream& out, const SpeedResults& results) {
 }
 
 void print_scaling(std::ostream& out, const SpeedResults& results) {
-    out << "\n| ms a sample at vertices | | | | | | exponent |\n|---|---|---|---|---|---|---|\n";
-    for (const std::string name :
-         {"inextensibility/forward", "inextensibility/backward", "quasistatic/forward", "quasistatic/backward"}) {
-        std::map<int, double> by_size;
-        for (const auto& [key, timing] : results.timing)
-            if (starts_with(key, "scaling/" + name + "/"))
-                by_size[std::stoi(parts_of(key).back())] = timing.refused.empty() ? timing.milliseconds : no_number;
-        if (by_size.empty()) continue;
-        out << "| " << name;
-        for (const auto& [size, time] : by_size) out << " | " << size << ": " << number(time);
-        out << " | " << number(results.exponent(name)) << " |\n";
+    std::map<std::string, std::map<int, const Timing*>> curves;
+    for (const auto& [key, timing] : results.timing) {
+        const std::vector<std::string> parts = parts_of(key);
+        if (parts[0] == "scaling") curves[parts[1] + "/" + parts[2]][std::stoi(parts[3])] = &timing;
+    }
+    for (const auto& [name, curve] : curves) {
+        out << "\n| " << name;
+        for (const auto& [vertices, timing] : curve) out << " | " << vertices;
+        out << " | exponent |\n|---";
+        for (std::size_t k = 0; k <= curve.size(); ++k) out << "|---";
+        out << "|\n| ms a sample";
+        for (const auto& [vertices, timing] : curve)
+            out << " | " << (timing->refused.empty() ? number(timing->milliseconds) : "refused");
+        out << " | " << number(results.exponent(name)) << " |\n| steps";
+        for (const auto& [vertices, timing] : curve)
+            out << " | " << (timing->iterations > 0 ? number(timing->iterations) : "");
+        out << " | |\n";
     }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -70,10 +71,11 @@ class TimedPrior {
     }
     /// Empty if every derivative of the last `backward` reached its accuracy.
     std::string backward_defect() const {
+        std::ostringstream text;
         for (const prior::DerivativeReport& report : gradient_.report)
-            if (report.status != prior::Status::converged)
-                return "a derivative is not accurate: linear residual " + std::to_string(report.linear_residual);
-        return {};
+            if (report.status != prior::Status::converged && text.str().empty())
+                text << "a derivative is not accurate: linear residual " << report.linear_residual;
+        return text.str();
     }
 
   private:
@@ -87,8 +89,9 @@ class TimedPrior {
                Traits::residual(prior_, predicted, solution, sample) <= prior_.options().tolerance;
     }
     static std::string shortfall(int sample, const prior::Report& report) {
-        return "sample " + std::to_string(sample) + " did not reach its tolerance: residual " +
-               std::to_string(report.residual);
+        std::ostringstream text;
+        text << "sample " << sample << " did not reach its tolerance: residual " << report.residual;
+        return text.str();
     }
     static double mean_iterations(const std::vector<prior::Report>& report) {
         double sum = 0;

@@ -1,0 +1,23 @@
+#include <gtest/gtest.h>
+
+#include "bench/factorisation_unit.h"
+#include "bench/problem_meshes.h"
+#include "cloth/topology.h"
+
+namespace toile::bench {
+namespace {
+
+TEST(FactorisationUnit, FactorsTheMeshHessianUnderBothSettings) {
+    Random random(1);
+    const ClothMesh mesh = open_tube(12, 12, 0.015, 0.15, random);
+    const Edges edge = build_topology(mesh.triangle).edge;
+    for (const auto settings : {FactorisationUnit::Settings::cholmod_default, FactorisationUnit::Settings::toile}) {
+        FactorisationUnit unit(edge, mesh.rest_position, settings);
+        ASSERT_TRUE(unit.factor());
+        EXPECT_LT(unit.solve_error(), 1e-12);
+        EXPECT_NE(unit.description().find("nonzeros"), std::string::npos);
+    }
+}
+
+}  // namespace
+}  // namespace toile::bench
