@@ -48,7 +48,7 @@ struct Kernels {
 #if defined(__x86_64__)
 #define TOILE_AVX512 __attribute__((target("arch=x86-64-v4")))
 #define TOILE_AVX2 __attribute__((target("arch=x86-64-v3")))
-TOILE_KERNELS(one_avx512, TOILE_AVX512, OneSample, 4, panel::SolveOneSample, 4, 12)
+TOILE_KERNELS(one_avx512, TOILE_AVX512, panel::OneSampleInPairs, 8, panel::SolveOneSample, 4, 12)
 TOILE_KERNELS(one_avx2, TOILE_AVX2, OneSample, 3, panel::SolveOneSample, 4, 6)
 TOILE_KERNELS(eight_avx512, TOILE_AVX512, EightSamples<Lane8>, 2, panel::SolveEightSamples<Lane8>, 2, 6)
 TOILE_KERNELS(eight_avx2, TOILE_AVX2, EightSamples<panel::Four>, 1, panel::SolveEightSamples<panel::Four>, 2, 6)

@@ -39,7 +39,7 @@ struct EightSamples {
     using Vector = V;
     static constexpr int lanes = 8, column = 24, parts = 3, part = 8;
     static constexpr int pass = sizeof(V) / sizeof(double), passes = 8 / pass;
-    static constexpr bool fits_register = true;
+    static constexpr bool fits_register = true, paired = false;
     /// Number in row r of a block's column, for all rows of another.
     [[gnu::always_inline]] static V factor(const double* block_column, int r) { return load<V>(block_column + 8 * r); }
     [[gnu::always_inline]] static void load_row(const double* x, V* row) {
@@ -55,7 +55,7 @@ struct OneSample {
     using Vector = Four;
     static constexpr int lanes = 1, column = 4, parts = 1, part = 4;
     static constexpr int pass = 1, passes = 1;
-    static constexpr bool fits_register = true;
+    static constexpr bool fits_register = true, paired = false;
     [[gnu::always_inline]] static Four factor(const double* block_column, int r) {
         const double x = block_column[r];
         return Four{x, x, x, x};
@@ -69,6 +69,11 @@ struct OneSample {
 /// The same where a register has no four lanes.
 struct OneSampleInPieces : OneSample {
     static constexpr bool fits_register = false;
+};
+
+/// The same with AVX-512: two block rows in one register, where there are two.
+struct OneSampleInPairs : OneSample {
+    static constexpr bool paired = true;
 };
 
 /// Puts blocks `[slot][9][lanes]` into their places in a panel of zeros.
@@ -90,12 +95,58 @@ template <class S>
     }
 }
 
+#if defined(__x86_64__)
+// By hand, as g++ 12 takes shuffles of these widths apart where a function is compiled for several instruction sets.
+[[gnu::always_inline]] inline Lane8 load_pair(const double* first, const double* second) {
+    Lane8 pair;
+    __asm__("vmovupd %1, %t0\n\tvinsertf64x4 $1, %2, %0, %0"
+            : "=&v"(pair)
+            : "m"(*reinterpret_cast<const double(*)[4]>(first)), "m"(*reinterpret_cast<const double(*)[4]>(second)));
+    return pair;
+}
+[[gnu::always_inline]] inline void store_pair(double* first, double* second, Lane8 pair) {
+    __asm__("vmovupd %t1, %0" : "=m"(*reinterpret_cast<double(*)[4]>(first)) : "v"(pair));
+    __asm__("vextractf64x4 $1, %1, %0" : "=m"(*reinterpret_cast<double(*)[4]>(second)) : "v"(pair));
+}
+
+/// `tile` for one sample and 2 PAIRS block rows.
+template <int PAIRS>
+[[gnu::always_inline]] inline void tile_in_pairs(double* const* c, const double* const* a, const double* b, int depth,
+                                                 const double* pivot) {
+    Lane8 sum[PAIRS][3];
+    for (int i = 0; i < PAIRS; ++i)
+        for (int k = 0; k < 3; ++k) sum[i][k] = load_pair(c[2 * i] + 4 * k, c[2 * i + 1] + 4 * k);
+    for (int d = 0; d < depth; ++d) {
+        Lane8 left[PAIRS];
+        for (int i = 0; i < PAIRS; ++i) {
+            left[i] = load_pair(a[2 * i] + 4 * d, a[2 * i + 1] + 4 * d);
+            hold_in_register(left[i]);
+        }
+        for (int k = 0; k < 3; ++k) {
+            const double right = b[4 * d + k];
+            for (int i = 0; i < PAIRS; ++i) sum[i][k] -= left[i] * right;
+        }
+    }
+    if (pivot)
+        for (int k = 0; k < 3; ++k)
+            for (int i = 0; i < PAIRS; ++i) {
+                for (int m = 0; m < k; ++m) sum[i][k] -= sum[i][m] * pivot[4 * m + k];
+                sum[i][k] *= pivot[4 * k + k];
+            }
+    for (int i = 0; i < PAIRS; ++i)
+        for (int k = 0; k < 3; ++k) store_pair(c[2 * i] + 4 * k, c[2 * i + 1] + 4 * k, sum[i][k]);
+}
+#endif
+
 /// c_i -= a_i bᵀ for ROWS blocks c_i of one block column; a_i and b are `depth` scalar columns long. If `pivot` is
 /// given, the blocks are then divided by that diagonal block: c_i ← c_i L⁻ᵀ.
 template <class S, int ROWS>
 [[gnu::always_inline]] inline void tile(double* const* c, const double* const* a, const double* b, int depth,
                                         const double* pivot) {
     using V = typename S::Vector;
+#if defined(__x86_64__)
+    if constexpr (S::paired && ROWS % 2 == 0) return tile_in_pairs<ROWS / 2>(c, a, b, depth, pivot);
+#endif
     for (int p = 0; p < S::passes; ++p) {
         const int lane = p * S::pass;
         V sum[ROWS][3][S::parts];
