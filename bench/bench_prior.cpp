@@ -65,7 +65,7 @@ int stress(const Flags& flags) {
 SpeedResults measure(const Flags& flags, const char* program) {
     SpeedResults results;
     // first, while this process is small
-    results.peak_memory["inextensibility"] = inextensibility_peak_memory();
+    results.peak_memory = peak_memories();
     results.overstretched_share = speed_scene(table_around, table_along, table_batch).overstretched_share();
     register_prior_benchmarks(flags.repetitions);
     // interleaved: a busy spell of the machine hits units and rows alike

@@ -182,11 +182,16 @@ void register_prior_benchmarks(int repetitions) {
                                    repetitions);
     // one after the other whatever the batch: a few show the time of one
     add_rows<TimedInextensibility>("cone", "1e-6", inextensibility(Method::cone, 1e-6), 4, std::min(repetitions, 2));
+    using Way = prior::QuasistaticOptions::Method;
+    add_rows<TimedQuasistatic>("fast", "1e-6", {.method = Way::fast}, table_batch, repetitions);
+    add_rows<TimedQuasistatic>("newton_cg", "1e-6", {.method = Way::newton_cg}, 8, std::min(repetitions, 2));
     add_scaling<TimedInextensibility>();
+    add_scaling<TimedQuasistatic>();
 }
 
-double inextensibility_peak_memory() {
-    return peak_memory<TimedInextensibility>();
+std::map<std::string, double> peak_memories() {
+    return {{TimedInextensibility::name, peak_memory<TimedInextensibility>()},
+            {TimedQuasistatic::name, peak_memory<TimedQuasistatic>()}};
 }
 
 }  // namespace toile::bench

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <map>
+#include <string>
 #include <vector>
 
 namespace toile::bench {
@@ -21,8 +23,8 @@ inline constexpr int scaling_batch = 8;
 /// before it is timed. `repetitions` of each row, more of the units.
 void register_prior_benchmarks(int repetitions);
 
-/// Peak resident size [MB] of forward and backward for a batch of 64 on the table's mesh, in a process of its own; -1
-/// if a sample did not converge. To be called before anything else.
-double inextensibility_peak_memory();
+/// Peak resident size [MB] by prior, of forward and backward for a batch of 64 on the table's mesh, each in a process
+/// of its own; -1 if a sample did not converge. To be called before anything else.
+std::map<std::string, double> peak_memories();
 
 }  // namespace toile::bench

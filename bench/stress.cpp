@@ -7,6 +7,7 @@
 #include <exception>
 
 #include "bench/stress_inextensibility.h"
+#include "bench/stress_quasistatic.h"
 #include "cloth/parallel.h"
 
 namespace toile::bench {
@@ -33,7 +34,10 @@ std::vector<StressOutcome> solve_problem(const StressProblem& problem) {
     }
     const double start = thread_seconds();
     try {
-        solve_inextensibility(problem, outcome);
+        if (problem.prior == PriorKind::inextensibility)
+            solve_inextensibility(problem, outcome);
+        else
+            solve_quasistatic(problem, outcome);
     } catch (const std::exception& error) {
         for (StressOutcome& each : outcome) each.failure = error.what();
     }

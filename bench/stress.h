@@ -25,6 +25,7 @@ struct StressOutcome {
     double linear_residual = 0;  ///< of the backward product, as reported: the linear system is not visible outside
     double identity_error = 0;   ///< |<g, J v> - <Jᵀ g, v>| relative to |Jᵀ g| |v|
     bool derivative_claimed = false;  ///< both products say that they reached their accuracy
+    bool positive_definite = true;    ///< quasistatic: false where the solution has no derivative, as reported
     std::string failure;              ///< an exception's message
     std::string description;
 

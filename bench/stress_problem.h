@@ -19,10 +19,10 @@ std::string_view name(MeshKind kind);
 /// What a stress run draws its problems from. A problem depends on these and on its own number alone.
 struct StressDraw {
     std::uint64_t seed = 1;
-    int smallest = 10;         ///< vertices, drawn evenly in the logarithm
-    int largest = 1500;        ///< vertices
-    int huge_every = 500;      ///< each so-manieth problem has 10,000 to 20,000 vertices; 0: none
-    bool quasistatic = false;  ///< every other problem is one of the quasistatic prior
+    int smallest = 10;        ///< vertices, drawn evenly in the logarithm
+    int largest = 1500;       ///< vertices
+    int huge_every = 500;     ///< each so-manieth problem has 10,000 to 20,000 vertices; 0: none
+    bool quasistatic = true;  ///< every other problem is one of the quasistatic prior
 };
 
 /// One random problem: a mesh, one model, and one to nine samples that are projected together.

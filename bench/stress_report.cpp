@@ -13,7 +13,7 @@ namespace toile::bench {
 namespace {
 
 struct Summary {
-    int count = 0, met = 0, most_iterations = 0, derivatives = 0, derivatives_met = 0;
+    int count = 0, met = 0, most_iterations = 0, derivatives = 0, derivatives_met = 0, indefinite = 0;
     double worst_residual = 0, slowest = 0, seconds = 0, worst_linear = 0, worst_identity = 0;
 
     void add(const StressOutcome& outcome) {
@@ -28,6 +28,7 @@ struct Summary {
         if (!outcome.derivative_checked) return;
         ++derivatives;
         derivatives_met += outcome.derivative_met();
+        indefinite += !outcome.positive_definite;
         worst_linear = std::max(worst_linear, outcome.linear_residual);
         if (!(outcome.identity_error <= worst_identity)) worst_identity = outcome.identity_error;
     }
@@ -38,7 +39,7 @@ void print_line(std::ostream& out, const std::string& label, const Summary& sum)
         << std::setw(13) << std::setprecision(3) << sum.worst_residual << std::setw(8) << sum.most_iterations
         << std::setw(10) << sum.seconds << std::setw(10) << sum.slowest << std::setw(8) << sum.derivatives
         << std::setw(8) << sum.derivatives_met << std::setw(11) << sum.worst_linear << std::setw(11)
-        << sum.worst_identity << '\n';
+        << sum.worst_identity << std::setw(8) << sum.indefinite << '\n';
 }
 
 bool fell_short(const StressOutcome& outcome) {
@@ -65,7 +66,7 @@ void print_stress(std::ostream& out, const std::vector<StressOutcome>& outcome) 
     out << std::left << std::setw(34) << "prior, prediction" << std::right << std::setw(8) << "samples" << std::setw(8)
         << "met" << std::setw(13) << "worst/tol" << std::setw(8) << "steps" << std::setw(10) << "seconds"
         << std::setw(10) << "slowest" << std::setw(8) << "deriv." << std::setw(8) << "good" << std::setw(11) << "linear"
-        << std::setw(11) << "identity" << '\n';
+        << std::setw(11) << "identity" << std::setw(8) << "indef." << '\n';
     for (const auto& [key, sum] : by_kind)
         print_line(out, std::string(name(key.first)) + ", " + std::string(name(key.second)), sum);
     for (const auto& [prior, sum] : by_prior) print_line(out, std::string(name(prior)) + ", all", sum);

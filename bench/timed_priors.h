@@ -4,6 +4,7 @@
 
 #include "bench/timed_prior.h"
 #include "prior/inextensibility.h"
+#include "prior/quasistatic.h"
 
 namespace toile::bench {
 
@@ -28,6 +29,27 @@ struct TimedInextensibility {
         return prior::inextensibility_residual(
             prior.model(), predicted, std::span<const double>(solution.position).subspan(sample * positions, positions),
             std::span<const double>(solution.multiplier).subspan(sample * edges, edges));
+    }
+};
+
+/// The quasistatic prior with its default fabric and μ = 0.1.
+struct TimedQuasistatic {
+    using Prior = prior::Quasistatic;
+    using Options = prior::QuasistaticOptions;
+    using Solution = prior::QuasistaticSolution;
+    using Gradient = prior::QuasistaticGradient;
+    static constexpr const char* name = "quasistatic";
+
+    static prior::QuasistaticModel model(const prior::RestState& rest) { return prior::QuasistaticModel::from(rest); }
+    static void backward(const Prior& prior, std::span<const double> predicted, const Solution& solution,
+                         std::span<const double> loss_gradient, Gradient& gradient, Prior::Workspace& workspace) {
+        prior.backward(predicted, solution, loss_gradient, gradient, workspace);
+    }
+    static double residual(const Prior& prior, std::span<const double> predicted, const Solution& solution,
+                           int sample) {
+        return prior::quasistatic_residual(
+            prior.model(), predicted,
+            std::span<const double>(solution.position).subspan(sample * predicted.size(), predicted.size()));
     }
 };
 
