@@ -28,7 +28,7 @@ namespace {
 
 constexpr double kFirstPolish = 1e-5;  // residual at which Newton's method on the taut edges is first tried
 constexpr int kPolishSteps = 30;
-constexpr double kRounding = 1e-15;  // stretch of a prediction that is at its limits
+constexpr double kRounding = 1e-15;  // of a coordinate, relative
 constexpr double kPolished = 1e-13;  // residual below which nothing is left to gain
 
 using Clock = std::chrono::steady_clock;
@@ -60,22 +60,31 @@ void multipliers_of(const ConeIterate& iterate, Eigen::VectorXd& lambda) {
 class Best {
   public:
     Best(const InextensibilityModel& model, std::span<const double> predicted, std::span<double> position,
-         std::span<double> multiplier, double tolerance)
+         std::span<double> multiplier)
         : model_(model),
           predicted_(predicted),
           position_(position),
           multiplier_(multiplier),
           new_position_(position.size()),
           new_multiplier_(multiplier.size()) {
-        // The prediction itself is the solution where no edge is too long, and good enough where none is by more than
-        // the tolerance.
-        std::copy(predicted.begin(), predicted.end(), position.begin());
-        std::fill(multiplier.begin(), multiplier.end(), 0.0);
-        residual_ = inextensibility_residual(model, predicted, position, multiplier);
-        replace_ = residual_ > tolerance;
+        fall_back();
+        predicted_residual_ = inextensibility_residual(model, predicted, position, multiplier);
     }
 
-    double residual() const { return residual_; }
+    double residual() const { return std::min(residual_, predicted_residual_); }
+    /// Of the candidates alone.
+    double solved_residual() const { return residual_; }
+    /// Whether no edge of the prediction is longer than its limit, but for the rounding of its coordinates.
+    bool prediction_is_solution() const {
+        double largest = 0.0;
+        for (double x : predicted_) largest = std::max(largest, std::abs(x));
+        return model_.edge.rows() == 0 ||
+               predicted_residual_ <= kRounding * (1.0 + largest / model_.edge_max_length.minCoeff());
+    }
+    /// To the prediction without multipliers, where that is better than every candidate.
+    void finish() {
+        if (predicted_residual_ < residual_) fall_back();
+    }
 
     /// The candidate's residual.
     double consider(const ConeProgram& program, const Eigen::VectorXd& u, const Eigen::VectorXd& lambda) {
@@ -84,31 +93,36 @@ class Best {
         for (size_t e = 0; e < multiplier_.size(); ++e)
             new_multiplier_[e] = program.force_unit() * lambda[static_cast<Eigen::Index>(e)];
         const double residual = inextensibility_residual(model_, predicted_, new_position_, new_multiplier_);
-        if (residual < residual_ || replace_) {
+        if (residual < residual_) {
             residual_ = residual;
             std::copy(new_position_.begin(), new_position_.end(), position_.begin());
             std::copy(new_multiplier_.begin(), new_multiplier_.end(), multiplier_.begin());
         }
-        replace_ = false;
         return residual;
     }
 
   private:
+    void fall_back() {
+        std::copy(predicted_.begin(), predicted_.end(), position_.begin());
+        std::fill(multiplier_.begin(), multiplier_.end(), 0.0);
+    }
+
     const InextensibilityModel& model_;
     std::span<const double> predicted_;
     std::span<double> position_, multiplier_;
     std::vector<double> new_position_, new_multiplier_;
-    double residual_ = 0.0;
-    bool replace_ = true;  // an interior point is a better answer than an overstretched prediction
+    double predicted_residual_ = 0.0;
+    double residual_ = std::numeric_limits<double>::infinity();
 };
 
 /// Newton steps from an interior point, as long as they gain.
 void polish(const ConeProgram& program, ConeKkt& kkt, Eigen::VectorXd u, Eigen::VectorXd lambda, bool by_largest,
-            Best& best, Report& report) {
+            int max_iterations, Best& best, Report& report) {
     ConePolish newton(kkt, program, by_largest);
     double smallest = std::numeric_limits<double>::infinity();
     int failures = 0;
-    for (int k = 0; k < kPolishSteps && failures < 3 && best.residual() > kPolished; ++k) {
+    for (int k = 0; k < kPolishSteps && failures < 3 && best.solved_residual() > kPolished; ++k) {
+        if (report.iterations >= max_iterations) return;
         ++report.iterations;
         if (!newton.step(u, lambda, report)) return;
         const double residual = best.consider(program, u, lambda);
@@ -129,16 +143,16 @@ void solve(const ConeProgram& program, ConeInteriorPoint& interior_point, ConeIt
         multipliers_of(iterate, lambda);
         const double residual = best.consider(program, iterate.u, lambda);
         if (residual <= next_polish) {
-            polish(program, interior_point.kkt(), iterate.u, lambda, by_largest, best, report);
+            polish(program, interior_point.kkt(), iterate.u, lambda, by_largest, options.max_iterations, best, report);
             by_largest = !by_largest;
             next_polish = 0.1 * residual;
         }
-        if (best.residual() <= options.tolerance || report.iterations >= options.max_iterations) return;
+        if (best.solved_residual() <= options.tolerance || report.iterations >= options.max_iterations) return;
         ++report.iterations;
         going = interior_point.step(program, iterate, report);
     }
-    for (int k = 0; k < 2 && best.residual() > options.tolerance; ++k)
-        polish(program, interior_point.kkt(), iterate.u, lambda, k == 0, best, report);
+    for (int k = 0; k < 2 && best.solved_residual() > options.tolerance; ++k)
+        polish(program, interior_point.kkt(), iterate.u, lambda, k == 0, options.max_iterations, best, report);
 }
 
 }  // namespace
@@ -148,12 +162,13 @@ Report ConeSolver::project(std::span<const double> predicted, std::span<double> 
     const auto begin = Clock::now();
     Report report;
     if (is_finite(predicted)) {
-        Best best(model_, predicted, position, multiplier, options.tolerance);
-        if (best.residual() > kRounding) {
+        Best best(model_, predicted, position, multiplier);
+        if (!best.prediction_is_solution()) {
             ConeProgram program(model_);
             program.set_predicted(predicted);
             solve(program, workspace.buffers_->interior_point, workspace.buffers_->iterate, options, best, report);
         }
+        best.finish();
         report.residual = best.residual();
         report.status = report.residual <= options.tolerance ? Status::converged : Status::accuracy_not_reached;
     } else {

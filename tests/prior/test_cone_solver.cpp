@@ -103,6 +103,27 @@ TEST(ConeSolver, LeavesVerticesThatNothingPulls) {
     EXPECT_NEAR(result.position[15], 8.5, 1e-9);
 }
 
+TEST(ConeSolver, ProjectsAProjectionToItself) {
+    const InextensibleCase cloth = patch(6, 5, 0.02, 0.2);
+    for (double offset : {0.0, 1000.0}) {
+        std::vector<double> predicted = with_noise(cloth.at_rest(), 0.01);
+        for (double& x : predicted) x += offset;
+        const Projected once = project(cloth.model, predicted), twice = project(cloth.model, once.position);
+        expect_solved(cloth.model, once.position, twice);
+        EXPECT_LT(largest_difference(once.position, twice.position), 1e-10);
+    }
+}
+
+TEST(ConeSolver, SolvesAnOverstretchThatIsWithinTheTolerance) {
+    // Its answer is not to leave the prediction as it is, which would say that no edge carries a force.
+    Positions rest(2, 3);
+    rest << 0, 0, 0, 1, 0, 0;
+    const InextensibleCase edge = case_of(rest, {{0, 1}});
+    const Projected result = project(edge.model, {0, 0, 0, 1 + 1e-7, 0, 0}, 1e-6);
+    EXPECT_NEAR(result.multiplier[0], 0.5e-7, 1e-13);
+    EXPECT_NEAR(result.position[3] - result.position[0], 1.0, 1e-13);
+}
+
 TEST(ConeSolver, GivesLooseEdgesNoMultiplier) {
     const InextensibleCase cloth = patch(6, 6, 0.02, 0.2);
     const std::vector<double> predicted = with_noise(cloth.at_rest(), 0.005);
