@@ -262,7 +262,7 @@ void NewtonLanes<W>::begin_sweeps() {
 
 /// The step along `search_` for each lane; a direction of negative curvature ends a lane's sweeps.
 template <int W>
-void NewtonLanes<W>::accept_curvature(int sweep_number) {
+void NewtonLanes<W>::accept_curvature() {
     for (int l = 0; l < W; ++l) {
         Lane& lane = lane_[l];
         length_[l] = 0.0;
@@ -272,7 +272,9 @@ void NewtonLanes<W>::accept_curvature(int sweep_number) {
             length_[l] = r_dot_z_[l] / curvature_[l];
         } else {
             lane.sweeping = false;
-            if (sweep_number == 0) length_[l] = 1.0;
+            // As far as if the curvature were upwards.
+            const double bend = std::max(-curvature_[l], 1e-3 * search_squared_[l]);
+            length_[l] = r_dot_z_[l] > 0.0 && bend > 0.0 ? r_dot_z_[l] / bend : 0.0;
         }
     }
 }
@@ -282,7 +284,7 @@ void NewtonLanes<W>::solve_system() {
     begin_sweeps();
     for (int k = 0; any_sweeping(); ++k) {
         multiply_springs<W>(graph_, form_.data(), search_.data(), product_.data(), curvature_, search_squared_);
-        accept_curvature(k);
+        accept_curvature();
         advance_lanes<W>(size_, length_, search_.data(), product_.data(), direction_.data(), residual_.data(),
                          residual_squared_, residual_largest_);
         for (int l = 0; l < W; ++l) {

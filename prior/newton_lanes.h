@@ -57,7 +57,7 @@ class NewtonLanes {
     void build_hessian();
     void begin_sweeps();
     void solve_system();
-    void accept_curvature(int sweep_number);
+    void accept_curvature();
     void search_line();
     bool accept_or_shorten(Lane& lane, int l);
     void lap(Stage stage);

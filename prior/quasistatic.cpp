@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <mutex>
 
 #include "cloth/error.h"
@@ -176,17 +177,20 @@ void Quasistatic::project(std::span<const double> predicted, QuasistaticSolution
     const bool jacobi = impl_->options.method == QuasistaticOptions::Method::newton_cg;
     std::atomic<int> next{0};
     const int threads = std::clamp(count, 1, buffers.threads);
-    on_threads(threads, [&](int slot) {
+    const auto work = [&](int slot) {
         const auto take = [&](QuasistaticSample& out) {
             const int i = next++;
             if (i < count) sample(i, out);
             return i < count ? i : -1;
         };
         if (count == 1 || jacobi)
-            solver<1>(buffers.one[slot], impl_->graph, rules_of(impl_->options), jacobi).run(take, set_aside);
+            solver<1>(buffers.one[slot], impl_->graph, rules_of(impl_->options), jacobi)
+                .run(std::cref(take), std::cref(set_aside));
         else
-            solver<8>(buffers.eight[slot], impl_->graph, rules_of(impl_->options), false).run(take, set_aside);
-    });
+            solver<8>(buffers.eight[slot], impl_->graph, rules_of(impl_->options), false)
+                .run(std::cref(take), std::cref(set_aside));
+    };
+    on_threads(threads, std::cref(work));
     if (!jacobi && !buffers.hard.empty()) project_hard(predicted, solution, workspace);
 }
 

@@ -2,6 +2,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "cloth/error.h"
@@ -189,7 +190,7 @@ void solve_batch(const Task& task, int count, Quasistatic::Workspace::Buffers& b
     const SpringGraph& graph = task.batch.graph;
     const int width = count == 1 ? 1 : 8, groups = (count + width - 1) / width;
     std::atomic<int> next{0};
-    on_threads(std::clamp(groups, 1, buffers.threads), [&](int slot) {
+    const auto work = [&](int slot) {
         for (int group = next++; group < groups; group = next++) {
             int sample[8];
             const int first = group * width, in_group = std::min(width, count - first);
@@ -199,7 +200,8 @@ void solve_batch(const Task& task, int count, Quasistatic::Workspace::Buffers& b
             else
                 solve_group(derivative_lanes<8>(buffers.derivative_eight[slot], graph), task, sample, in_group);
         }
-    });
+    };
+    on_threads(std::clamp(groups, 1, buffers.threads), std::cref(work));
     for (int i = 0; i < count; ++i) {
         if (task.report(i).status != Status::accuracy_not_reached) continue;
         const double before = task.report(i).seconds;
