@@ -123,6 +123,12 @@ Eigen::MatrixXd jacobian_of(const Solved& at) {
     return jacobian;
 }
 
+Eigen::VectorXd input_of(const Solved& at) {
+    Eigen::VectorXd input(at.coordinates() + at.model.edge.rows());
+    input << Eigen::Map<const Eigen::VectorXd>(at.predicted.data(), at.coordinates()), at.model.edge_max_length;
+    return input;
+}
+
 Eigen::VectorXd project_at(const Solved& at, const Eigen::VectorXd& input) {
     InextensibilityModel model = at.model;
     model.edge_max_length = input.tail(model.edge.rows());
@@ -146,12 +152,26 @@ TEST(ConeDerivative, FindsTautEdgesByForceAgainstSlack) {
 }
 
 TEST(ConeDerivative, AgreesWithFiniteDifferencesOfTheWholeMap) {
-    for (auto [columns, rows, seed] : {std::tuple{2, 2, 3u}, {3, 3, 1u}, {4, 3, 2u}}) {
+    const Solved at = noisy_patch(2, 2, 3);
+    const Eigen::VectorXd input = input_of(at);
+    const auto check =
+        check_jacobian([&](const Eigen::VectorXd& x) { return project_at(at, x); }, jacobian_of(at), input, 0.02, 1e-7);
+    EXPECT_TRUE(check.passed) << check.message;
+}
+
+TEST(ConeDerivative, AgreesWithFiniteDifferencesAlongRandomDirections) {
+    for (auto [columns, rows, seed] : {std::tuple{3, 3, 1u}, {5, 4, 2u}, {8, 8, 4u}}) {
         const Solved at = noisy_patch(columns, rows, seed);
-        Eigen::VectorXd input(at.coordinates() + at.model.edge.rows());
-        input << Eigen::Map<const Eigen::VectorXd>(at.predicted.data(), at.coordinates()), at.model.edge_max_length;
-        const auto check = check_jacobian([&](const Eigen::VectorXd& x) { return project_at(at, x); }, jacobian_of(at),
-                                          input, 0.02, 1e-7);
+        const Eigen::VectorXd input = input_of(at);
+        Eigen::MatrixXd direction(input.size(), 2), along(at.coordinates(), 2);
+        for (int k = 0; k < 2; ++k) {
+            direction.col(k) = random_values(input.size(), 20 + k);
+            along.col(k) =
+                at.tangent(direction.col(k).head(at.coordinates()), direction.col(k).tail(at.model.edge.rows()));
+        }
+        const auto check =
+            check_jacobian([&](const Eigen::VectorXd& x) { return project_at(at, input + direction * x); }, along,
+                           Eigen::VectorXd::Zero(2), 0.02, 1e-7);
         EXPECT_TRUE(check.passed) << columns << " x " << rows << ": " << check.message;
     }
 }
