@@ -1,7 +1,7 @@
 #include "prior/cone_kkt.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 
 namespace toile::prior {
 namespace {
@@ -80,14 +80,17 @@ double ConeKkt::solve(const Eigen::VectorXd& right, Eigen::VectorXd& solution) {
         return 0.0;
     }
     ldl_.solve(right, solution);
-    double error = 0.0;
+    double error = std::numeric_limits<double>::infinity();
     for (int refinement = 0;; ++refinement) {
         residual_ = right;
         residual_.noalias() -= matrix_.selfadjointView<Eigen::Lower>() * solution;
         const double last = error;
         error = residual_.cwiseAbs().maxCoeff() / size;
-        const bool stalled = refinement > 0 && error > 0.5 * last;
-        if (refinement == kMaxRefinements || error <= kSolved || stalled || !std::isfinite(error)) return error;
+        if (refinement > 0 && !(error < last)) {
+            solution -= correction_;
+            return last;
+        }
+        if (refinement == kMaxRefinements || error <= kSolved || error > 0.5 * last) return error;
         ldl_.solve(residual_, correction_);
         solution += correction_;
     }
