@@ -22,8 +22,9 @@ struct StressOutcome {
     int iterations = 0;
     double seconds = 0;  ///< its share of the problem's processor time
     bool derivative_checked = false;
-    double linear_residual = 0;  ///< of the backward product, as reported: the linear system is not visible outside
-    double identity_error = 0;   ///< |<g, J v> - <Jᵀ g, v>| relative to |Jᵀ g| |v|
+    double linear_residual =
+        0;                      ///< of both products, the larger, as reported: the linear system is not visible outside
+    double identity_error = 0;  ///< |<g, J v> - <Jᵀ g, v>| relative to |Jᵀ g| |v|
     bool derivative_claimed = false;  ///< both products say that they reached their accuracy
     bool positive_definite = true;    ///< quasistatic: false where the solution has no derivative, as reported
     std::string failure;              ///< an exception's message
