@@ -7,21 +7,71 @@
 namespace toile::prior {
 namespace {
 
-using Floats8 = float __attribute__((vector_size(32), may_alias));
+using Floats8 = float __attribute__((vector_size(32)));
+using StoredFloats8 = float __attribute__((vector_size(32), may_alias));
+
+template <int W>
+struct FloatsOf {
+    using Type = float;
+};
+template <>
+struct FloatsOf<8> {
+    using Type = Floats8;
+};
+/// Lanes in single precision.
+template <int W>
+using Floats = typename FloatsOf<W>::Type;
 
 template <int W, class Single>
-[[gnu::always_inline]] inline Lane<W> load_single(const Single* p) {
+[[gnu::always_inline]] inline Floats<W> load_floats(const Single* p) {
     if constexpr (W == 1)
         return p->lane[0];
     else
-        return __builtin_convertvector(*reinterpret_cast<const Floats8*>(p->lane), Lane8);
+        return *reinterpret_cast<const StoredFloats8*>(p->lane);
 }
 template <int W, class Single>
-[[gnu::always_inline]] inline void store_single(Single* p, const Lane<W>& x) {
+[[gnu::always_inline]] inline void store_floats(Single* p, const Floats<W>& x) {
     if constexpr (W == 1)
-        p->lane[0] = static_cast<float>(x);
+        p->lane[0] = x;
     else
-        *reinterpret_cast<Floats8*>(p->lane) = __builtin_convertvector(x, Floats8);
+        *reinterpret_cast<StoredFloats8*>(p->lane) = x;
+}
+template <int W>
+[[gnu::always_inline]] inline Floats<W> narrow(const Lane<W>& x) {
+    if constexpr (W == 1)
+        return static_cast<float>(x);
+    else
+        return __builtin_convertvector(x, Floats8);
+}
+template <int W>
+[[gnu::always_inline]] inline Lane<W> widen(const Floats<W>& x) {
+    if constexpr (W == 1)
+        return x;
+    else
+        return __builtin_convertvector(x, Lane8);
+}
+
+/// A vector in space in each lane, in single precision.
+template <int W>
+struct FloatVector {
+    Floats<W> x, y, z;
+};
+template <int W, class Single>
+[[gnu::always_inline]] inline FloatVector<W> load_float_vector(const Single* p) {
+    return {load_floats<W>(p), load_floats<W>(p + 1), load_floats<W>(p + 2)};
+}
+template <int W, class Single>
+[[gnu::always_inline]] inline void store_float_vector(Single* p, const FloatVector<W>& v) {
+    store_floats<W>(p, v.x);
+    store_floats<W>(p + 1, v.y);
+    store_floats<W>(p + 2, v.z);
+}
+/// The symmetric block (xx, yx, yy, zx, zy, zz) at p, times v.
+template <int W, class Single>
+[[gnu::always_inline]] inline FloatVector<W> pivot_times(const Single* p, const FloatVector<W>& v) {
+    const Floats<W> xx = load_floats<W>(p), yx = load_floats<W>(p + 1), yy = load_floats<W>(p + 2);
+    const Floats<W> zx = load_floats<W>(p + 3), zy = load_floats<W>(p + 4), zz = load_floats<W>(p + 5);
+    return {xx * v.x + yx * v.y + zx * v.z, yx * v.x + yy * v.y + zy * v.z, zx * v.x + zy * v.y + zz * v.z};
 }
 
 /// A symmetric block as (xx, yx, yy, zx, zy, zz).
@@ -91,6 +141,7 @@ struct FactorTask {
     const double* exact;
     typename IncompleteCholesky<W>::Single* lower;
     double* inverse;
+    typename IncompleteCholesky<W>::Single* pivot;
     double* row;
 };
 
@@ -114,8 +165,8 @@ template <int W>
         LaneVector<W> l[3], r[3];
         for (int k = 0; k < 3; ++k) {
             l[k] = load_vector<W>(left + 3 * W * k);
-            r[k] = {load_single<W>(right + 3 * k), load_single<W>(right + 3 * k + 1),
-                    load_single<W>(right + 3 * k + 2)};
+            r[k] = {widen<W>(load_floats<W>(right + 3 * k)), widen<W>(load_floats<W>(right + 3 * k + 1)),
+                    widen<W>(load_floats<W>(right + 3 * k + 2))};
         }
         for (int k = 0; k < 3; ++k)
             b[k] = {b[k].x - dot<W>(l[k], r[0]), b[k].y - dot<W>(l[k], r[1]), b[k].z - dot<W>(l[k], r[2])};
@@ -124,9 +175,9 @@ template <int W>
     LaneVector<W> s[3];
     for (int k = 0; k < 3; ++k) {
         auto* out = task.lower + 9 * e + 3 * k;
-        store_single<W>(out, b[k].x);
-        store_single<W>(out + 1, b[k].y);
-        store_single<W>(out + 2, b[k].z);
+        store_floats<W>(out, narrow<W>(b[k].x));
+        store_floats<W>(out + 1, narrow<W>(b[k].y));
+        store_floats<W>(out + 2, narrow<W>(b[k].z));
         s[k] = times<W>(d, b[k]);
         store_vector<W>(scaled + 3 * W * k, s[k]);
     }
@@ -154,51 +205,52 @@ TOILE_LANE_KERNEL void factor_rows(const FactorTask<W>& task, double* lost_pivot
         }
         lost += lane_select(invert_pivot<W>(pivot, own, inverse), zero, one);
         double* out = task.inverse + 6 * W * i;
-        store_lanes<W>(out, inverse.xx);
-        store_lanes<W>(out + W, inverse.yx);
-        store_lanes<W>(out + 2 * W, inverse.yy);
-        store_lanes<W>(out + 3 * W, inverse.zx);
-        store_lanes<W>(out + 4 * W, inverse.zy);
-        store_lanes<W>(out + 5 * W, inverse.zz);
+        const Lane<W> entries[6] = {inverse.xx, inverse.yx, inverse.yy, inverse.zx, inverse.zy, inverse.zz};
+        for (int k = 0; k < 6; ++k) {
+            store_lanes<W>(out + W * k, entries[k]);
+            store_floats<W>(task.pivot + 6 * i + k, narrow<W>(entries[k]));
+        }
     }
     store_lanes<W>(lost_pivot, lost);
 }
 
 template <int W, class Single>
-TOILE_LANE_KERNEL void solve_forward(const SpringGraph& graph, const Single* lower, const double* inverse,
-                                     const double* r, double* w, double* u) {
+TOILE_LANE_KERNEL void solve_forward(const SpringGraph& graph, const Single* lower, const Single* pivot,
+                                     const double* r, Single* w, Single* u) {
     const SpringGraph::Entry* entry = graph.entry.data();
     for (int i = 0; i < graph.vertex_count; ++i) {
-        LaneVector<W> s = load_vector<W>(r + 3 * W * i);
+        const LaneVector<W> right = load_vector<W>(r + 3 * W * i);
+        FloatVector<W> s{narrow<W>(right.x), narrow<W>(right.y), narrow<W>(right.z)};
         for (int e = graph.row_first[i]; e < graph.row_first[i + 1]; ++e) {
-            const LaneVector<W> y = load_vector<W>(w + 3 * W * entry[e].column);
+            const FloatVector<W> y = load_float_vector<W>(w + 3 * entry[e].column);
             const Single* l = lower + 9 * e;
-            s.x -= load_single<W>(l) * y.x + load_single<W>(l + 1) * y.y + load_single<W>(l + 2) * y.z;
-            s.y -= load_single<W>(l + 3) * y.x + load_single<W>(l + 4) * y.y + load_single<W>(l + 5) * y.z;
-            s.z -= load_single<W>(l + 6) * y.x + load_single<W>(l + 7) * y.y + load_single<W>(l + 8) * y.z;
+            s.x -= load_floats<W>(l) * y.x + load_floats<W>(l + 1) * y.y + load_floats<W>(l + 2) * y.z;
+            s.y -= load_floats<W>(l + 3) * y.x + load_floats<W>(l + 4) * y.y + load_floats<W>(l + 5) * y.z;
+            s.z -= load_floats<W>(l + 6) * y.x + load_floats<W>(l + 7) * y.y + load_floats<W>(l + 8) * y.z;
         }
-        store_vector<W>(u + 3 * W * i, s);
-        store_vector<W>(w + 3 * W * i, times<W>(load_block<W>(inverse + 6 * W * i), s));
+        store_float_vector<W>(u + 3 * i, s);
+        store_float_vector<W>(w + 3 * i, pivot_times<W>(pivot + 6 * i, s));
     }
 }
 
 template <int W, class Single>
-TOILE_LANE_KERNEL void solve_backward(const SpringGraph& graph, const Single* lower, const double* inverse,
-                                      const double* r, double* z, double* u, double* r_dot_z) {
+TOILE_LANE_KERNEL void solve_backward(const SpringGraph& graph, const Single* lower, const Single* pivot,
+                                      const double* r, double* z, Single* u, double* r_dot_z) {
     const SpringGraph::Entry* entry = graph.entry.data();
     Lane<W> sum = lane_broadcast<W>(0.0);
     for (int i = graph.vertex_count - 1; i >= 0; --i) {
-        const LaneVector<W> x = times<W>(load_block<W>(inverse + 6 * W * i), load_vector<W>(u + 3 * W * i));
-        store_vector<W>(z + 3 * W * i, x);
-        sum += dot<W>(x, load_vector<W>(r + 3 * W * i));
+        const FloatVector<W> x = pivot_times<W>(pivot + 6 * i, load_float_vector<W>(u + 3 * i));
+        const LaneVector<W> wide{widen<W>(x.x), widen<W>(x.y), widen<W>(x.z)};
+        store_vector<W>(z + 3 * W * i, wide);
+        sum += dot<W>(wide, load_vector<W>(r + 3 * W * i));
         for (int e = graph.row_first[i]; e < graph.row_first[i + 1]; ++e) {
-            double* out = u + 3 * W * entry[e].column;
+            Single* out = u + 3 * entry[e].column;
             const Single* l = lower + 9 * e;
-            LaneVector<W> s = load_vector<W>(out);
-            s.x -= load_single<W>(l) * x.x + load_single<W>(l + 3) * x.y + load_single<W>(l + 6) * x.z;
-            s.y -= load_single<W>(l + 1) * x.x + load_single<W>(l + 4) * x.y + load_single<W>(l + 7) * x.z;
-            s.z -= load_single<W>(l + 2) * x.x + load_single<W>(l + 5) * x.y + load_single<W>(l + 8) * x.z;
-            store_vector<W>(out, s);
+            FloatVector<W> s = load_float_vector<W>(out);
+            s.x -= load_floats<W>(l) * x.x + load_floats<W>(l + 3) * x.y + load_floats<W>(l + 6) * x.z;
+            s.y -= load_floats<W>(l + 1) * x.x + load_floats<W>(l + 4) * x.y + load_floats<W>(l + 7) * x.z;
+            s.z -= load_floats<W>(l + 2) * x.x + load_floats<W>(l + 5) * x.y + load_floats<W>(l + 8) * x.z;
+            store_float_vector<W>(out, s);
         }
     }
     store_lanes<W>(r_dot_z, sum);
@@ -211,19 +263,22 @@ IncompleteCholesky<W>::IncompleteCholesky(const SpringGraph& graph)
     : graph_(graph),
       lower_(9 * graph.spring.size()),
       inverse_(6 * W * static_cast<size_t>(graph.vertex_count)),
+      pivot_(6 * static_cast<size_t>(graph.vertex_count)),
       row_(9 * W * static_cast<size_t>(std::max(graph.widest_row, 1))),
-      work_(3 * W * static_cast<size_t>(graph.vertex_count)) {}
+      w_(3 * static_cast<size_t>(graph.vertex_count)),
+      u_(3 * static_cast<size_t>(graph.vertex_count)) {}
 
 template <int W>
 void IncompleteCholesky<W>::factor(const double* form, const double* diagonal, const double* exact,
                                    double* lost_pivot) {
-    factor_rows<W>({graph_, form, diagonal, exact, lower_.data(), inverse_.data(), row_.data()}, lost_pivot);
+    factor_rows<W>({graph_, form, diagonal, exact, lower_.data(), inverse_.data(), pivot_.data(), row_.data()},
+                   lost_pivot);
 }
 
 template <int W>
 void IncompleteCholesky<W>::solve(const double* r, double* z, double* r_dot_z) {
-    solve_forward<W>(graph_, lower_.data(), inverse_.data(), r, z, work_.data());
-    solve_backward<W>(graph_, lower_.data(), inverse_.data(), r, z, work_.data(), r_dot_z);
+    solve_forward<W>(graph_, lower_.data(), pivot_.data(), r, w_.data(), u_.data());
+    solve_backward<W>(graph_, lower_.data(), pivot_.data(), r, z, u_.data(), r_dot_z);
 }
 
 template class IncompleteCholesky<1>;

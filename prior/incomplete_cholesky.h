@@ -9,8 +9,8 @@
 namespace toile::prior {
 
 /// Incomplete Cholesky factor, without fill, of W Hessians on a spring graph (cloth/lane.h), in blocks of 3x3: the
-/// preconditioner of the quasistatic prior. (L + D) D⁻¹ (L + D)ᵀ with L below the diagonal; L is kept in single
-/// precision, as the solve is bound by memory. Positive definite always: where a pivot is lost, the matrix' own
+/// preconditioner of the quasistatic prior. (L + D) D⁻¹ (L + D)ᵀ with L below the diagonal; the solve is bound by
+/// memory, and is done in single precision. Positive definite always: where a pivot is lost, the matrix' own
 /// diagonal block takes its place.
 template <int W>
 class IncompleteCholesky final : public Preconditioner<W> {
@@ -21,7 +21,7 @@ class IncompleteCholesky final : public Preconditioner<W> {
     /// z = (L + D)⁻ᵀ D (L + D)⁻¹ r.
     void solve(const double* r, double* z, double* r_dot_z) override;
 
-    /// One entry of a block in single precision.
+    /// One number of each lane in single precision.
     struct alignas(4 * W) Single {
         float lane[W];
     };
@@ -30,8 +30,9 @@ class IncompleteCholesky final : public Preconditioner<W> {
     const SpringGraph& graph_;
     std::vector<Single> lower_;  // [S][9], rows of L
     LaneArray inverse_;          // [V][6][W], D⁻¹
+    std::vector<Single> pivot_;  // [V][6], D⁻¹ again
     LaneArray row_;              // [widest row][9][W], L D⁻¹ of the row at work
-    LaneArray work_;             // [V][3][W]
+    std::vector<Single> w_, u_;  // [V][3]
 };
 
 extern template class IncompleteCholesky<1>;

@@ -15,6 +15,7 @@ namespace {
 constexpr double shake_size = 1e-3;       // of an edge
 constexpr double flatness = 1e-4;         // thickness of a prediction that counts as a plane, of an edge
 constexpr double sufficient_fall = 1e-4;  // Armijo's constant
+constexpr double least_bend = 0.3;
 constexpr int max_shortenings = 40;
 // Below this share of the energy's terms, a difference of energies is rounding.
 constexpr double energy_rounding = 1e-13;
@@ -48,6 +49,7 @@ struct NewtonLanes<W>::Lane {
     bool searching = false;
     int shortenings = 0;
     double forcing = 0;
+    double search_norm = 0;  // q·Mq of the search direction, M being the preconditioner
 };
 
 template <int W>
@@ -257,10 +259,11 @@ void NewtonLanes<W>::begin_sweeps() {
         const double goal = 0.3 * rules_.tolerance * lane.scale / value_.largest[l];
         lane.forcing = std::max(std::min(rules_.loosest_forcing, gained), goal);
         lane.previous_norm = lane.gradient_norm;
+        lane.search_norm = r_dot_z_[l];
     }
 }
 
-/// The step along `search_` for each lane; a direction of negative curvature ends a lane's sweeps.
+/// The step along `search_` for each lane; negative curvature ends a lane's sweeps.
 template <int W>
 void NewtonLanes<W>::accept_curvature() {
     for (int l = 0; l < W; ++l) {
@@ -268,14 +271,12 @@ void NewtonLanes<W>::accept_curvature() {
         length_[l] = 0.0;
         if (!lane.sweeping) continue;
         ++lane.report.sweeps;
-        if (curvature_[l] > 0.0 && r_dot_z_[l] > 0.0) {
-            length_[l] = r_dot_z_[l] / curvature_[l];
-        } else {
-            lane.sweeping = false;
-            // As far as if the curvature were upwards.
-            const double bend = std::max(-curvature_[l], 1e-3 * search_squared_[l]);
-            length_[l] = r_dot_z_[l] > 0.0 && bend > 0.0 ? r_dot_z_[l] / bend : 0.0;
-        }
+        // q·Mq, M being the preconditioner, by the method's own recurrence: what the curvature should be.
+        const double usual = lane.search_norm;
+        const bool stop = !(curvature_[l] > 0.0) || !(r_dot_z_[l] > 0.0);
+        const double bend = stop ? std::max(std::abs(curvature_[l]), least_bend * usual) : curvature_[l];
+        length_[l] = r_dot_z_[l] > 0.0 && bend > 0.0 ? r_dot_z_[l] / bend : 0.0;
+        lane.sweeping = !stop;
     }
 }
 
@@ -302,6 +303,7 @@ void NewtonLanes<W>::solve_system() {
         for (int l = 0; l < W; ++l) {
             turn_[l] = lane_[l].sweeping ? r_dot_z_next_[l] / r_dot_z_[l] : 0.0;
             r_dot_z_[l] = r_dot_z_next_[l];
+            lane_[l].search_norm = r_dot_z_[l] + turn_[l] * turn_[l] * lane_[l].search_norm;
         }
         turn_lanes<W>(size_, turn_, conditioned_.data(), search_.data());
         lap(preconditioning);

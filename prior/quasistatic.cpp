@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <mutex>
 
 #include "cloth/error.h"
@@ -58,6 +59,18 @@ QuasistaticModel checked(QuasistaticModel model) {
     check_positive(model.target_stiffness, n, "target stiffness");
     check_positive(model.target_unit, n, "target stiffness at mu = 1");
     return model;
+}
+
+/// A rough measure of how far a prediction is from rest: a few springs' squared strains.
+double distance_from_rest(const QuasistaticModel& model, const double* position) {
+    constexpr Eigen::Index every = 16;
+    double sum = 0.0;
+    for (Eigen::Index e = 0; e < model.edge_spring.rows(); e += every) {
+        const Eigen::Map<const Eigen::Vector3d> a(position + 3 * model.edge_spring(e, 0));
+        const Eigen::Map<const Eigen::Vector3d> b(position + 3 * model.edge_spring(e, 1));
+        sum += std::pow((a - b).norm() - model.edge_rest_length[e], 2);
+    }
+    return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
 }
 
 NewtonRules rules_of(const QuasistaticOptions& options) {
@@ -175,13 +188,16 @@ void Quasistatic::project(std::span<const double> predicted, QuasistaticSolution
         buffers.hard.push_back(i);
     };
     const bool jacobi = impl_->options.method == QuasistaticOptions::Method::newton_cg;
+    sort_samples(predicted, count, workspace);
     std::atomic<int> next{0};
     const int threads = std::clamp(count, 1, buffers.threads);
     const auto work = [&](int slot) {
         const auto take = [&](QuasistaticSample& out) {
-            const int i = next++;
-            if (i < count) sample(i, out);
-            return i < count ? i : -1;
+            const int k = next++;
+            if (k >= count) return -1;
+            const int i = buffers.order[static_cast<size_t>(k)];
+            sample(i, out);
+            return i;
         };
         if (count == 1 || jacobi)
             solver<1>(buffers.one[slot], impl_->graph, rules_of(impl_->options), jacobi)
@@ -192,6 +208,20 @@ void Quasistatic::project(std::span<const double> predicted, QuasistaticSolution
     };
     on_threads(threads, std::cref(work));
     if (!jacobi && !buffers.hard.empty()) project_hard(predicted, solution, workspace);
+}
+
+/// Lines the samples up so that those of a group need about as many steps: a group is as slow as its slowest.
+void Quasistatic::sort_samples(std::span<const double> predicted, int count, Workspace& workspace) const {
+    Workspace::Buffers& buffers = *workspace.buffers_;
+    const size_t size = 3 * static_cast<size_t>(impl_->model.vertex_count);
+    buffers.order.resize(static_cast<size_t>(count));
+    buffers.distance.resize(static_cast<size_t>(count));
+    for (size_t i = 0; i < buffers.order.size(); ++i) {
+        buffers.order[i] = static_cast<int>(i);
+        buffers.distance[i] = distance_from_rest(impl_->model, predicted.data() + size * i);
+    }
+    std::sort(buffers.order.begin(), buffers.order.end(),
+              [&](int i, int j) { return std::pair(-buffers.distance[i], i) < std::pair(-buffers.distance[j], j); });
 }
 
 /// Goes on with the samples that were set aside, one at a time, with the complete factor.

@@ -64,8 +64,8 @@ struct QuasistaticOptions {
         newton_cg  ///< the paper's route: projected Newton, each system by conjugate gradients (block Jacobi)
     };
     Method method = Method::fast;
-    double tolerance = 1e-6;   ///< of `Report::residual`; in [1e-12, 1e-1]
-    int max_iterations = 500;  ///< Newton steps a sample may take; at least 1
+    double tolerance = 1e-6;    ///< of `Report::residual`; in [1e-12, 1e-1]
+    int max_iterations = 2000;  ///< Newton steps a sample may take; at least 1
 
     /// Throws Error naming field, value and bound.
     void validate() const;
@@ -145,6 +145,7 @@ class Quasistatic {
     struct Impl;
 
   private:
+    void sort_samples(std::span<const double> predicted, int count, Workspace& workspace) const;
     void project_hard(std::span<const double> predicted, QuasistaticSolution& solution, Workspace& workspace) const;
 
     std::unique_ptr<Impl> impl_;

@@ -35,7 +35,9 @@ struct Quasistatic::Workspace::Buffers {
     std::vector<std::unique_ptr<DerivativeLanes<8>>> derivative_eight;
     std::vector<std::unique_ptr<DerivativeLanes<1>>> derivative_one;
     std::unique_ptr<DerivativeLanes<1>> derivative_last_resort;
-    std::vector<int> hard;  ///< samples set aside for the last resort
+    std::vector<int> order;        ///< samples, those far from rest first
+    std::vector<double> distance;  ///< of each sample from rest
+    std::vector<int> hard;         ///< samples set aside for the last resort
 };
 
 /// Calls `task(slot)` on each of `threads` threads; on the caller's own alone without touching the heap.

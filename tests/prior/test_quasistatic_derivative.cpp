@@ -184,7 +184,9 @@ TEST(QuasistaticDerivative, WrongSizesAreRefused) {
     QuasistaticTangent tangent;
     EXPECT_THROW(c.prior.backward(c.predicted, c.solution, std::vector<double>(47), gradient, workspace), Error);
     const std::vector<double> two(2);
-    EXPECT_THROW(c.prior.tangent(c.predicted, c.solution, {.stretch = two}, tangent, workspace), Error);
+    QuasistaticChange change;
+    change.stretch = two;
+    EXPECT_THROW(c.prior.tangent(c.predicted, c.solution, change, tangent, workspace), Error);
 }
 
 }  // namespace
