@@ -69,11 +69,23 @@ struct Inextensibility::Impl {
     ConeSolver cone;
 };
 
+namespace {
+
+/// Samples being solved, and those prepared to take their places.
+template <int W>
+struct LanePair {
+    explicit LanePair(const InextensibilityShared& shared) : solving(shared), waiting(shared) {}
+    InextensibilityBuffers<W> solving, waiting;
+    std::vector<InextensibilityTask> task;
+};
+
+}  // namespace
+
 struct Inextensibility::Workspace::Buffers {
     /// One thread's storage, made when it is first needed.
     struct Slot {
-        std::unique_ptr<InextensibilityBuffers<1>> one;
-        std::unique_ptr<InextensibilityBuffers<8>> eight;
+        std::unique_ptr<LanePair<1>> one;
+        std::unique_ptr<LanePair<8>> eight;
         std::unique_ptr<ConeSolver::Workspace> cone;
     };
     std::vector<Slot> slot;
@@ -84,7 +96,7 @@ struct Inextensibility::Workspace::Buffers {
     }
 
     template <int W>
-    InextensibilityBuffers<W>& get(int index, const InextensibilityShared& shared) {
+    LanePair<W>& get(int index, const InextensibilityShared& shared) {
         auto& pointer = [ this, index ]() -> auto& {
             if constexpr (W == 1)
                 return slot[index].one;
@@ -92,7 +104,7 @@ struct Inextensibility::Workspace::Buffers {
                 return slot[index].eight;
         }
         ();
-        if (!pointer || &pointer->shared != &shared) pointer = std::make_unique<InextensibilityBuffers<W>>(shared);
+        if (!pointer || &pointer->solving.shared != &shared) pointer = std::make_unique<LanePair<W>>(shared);
         return *pointer;
     }
 };
@@ -142,8 +154,8 @@ struct Batch {
 
     std::size_t positions() const { return 3 * static_cast<std::size_t>(model.vertex_count); }
     std::size_t edges() const { return static_cast<std::size_t>(model.edge.rows()); }
-    InextensibilityLane lane(int sample) const {
-        InextensibilityLane lane;
+    InextensibilityTask task(int sample) const {
+        InextensibilityTask lane;
         lane.predicted = predicted.data() + sample * positions();
         lane.position = solution.position.data() + sample * positions();
         lane.multiplier = solution.multiplier.data() + sample * edges();
@@ -164,18 +176,18 @@ void share_time(Report& report, const StageSeconds& seconds, double total, int s
 void report_residual(const Batch& batch, int sample) {
     Report& report = batch.solution.report[sample];
     if (report.status == Status::rejected_input) return;
-    const InextensibilityLane lane = batch.lane(sample);
+    const InextensibilityTask lane = batch.task(sample);
     report.residual = inextensibility_residual(batch.model, {lane.predicted, batch.positions()},
                                                {lane.position, batch.positions()}, {lane.multiplier, batch.edges()});
     report.status = report.residual <= batch.options.tolerance ? Status::converged : Status::accuracy_not_reached;
 }
 
-/// Samples [begin, begin + count), count <= W, side by side.
+/// Samples [begin, begin + count), W at a time.
 template <int W>
-void project_lanes(const Batch& batch, InextensibilityBuffers<W>& buffers, int begin, int count) {
+void project_lanes(const Batch& batch, LanePair<W>& buffers, int begin, int count) {
     const Clock::time_point start = Clock::now();
-    std::array<InextensibilityLane, W> lane;
-    for (int l = 0; l < count; ++l) lane[l] = batch.lane(begin + l);
+    buffers.task.clear();
+    for (int s = begin; s < begin + count; ++s) buffers.task.push_back(batch.task(s));
     StageSeconds seconds;
     // A sample that takes much longer than others is solved alone afterwards, instead of in everybody's time.
     InextensibilityOptions options = batch.options;
@@ -183,23 +195,22 @@ void project_lanes(const Batch& batch, InextensibilityBuffers<W>& buffers, int b
     InteriorPointStart way;
     // A factorisation costs a sample alone less than eight at once, and a sweep more.
     if (W == 1) way.sweeps = 10;
-    project_group<W>(buffers, lane, options, way, seconds);
-    const double total = seconds_since(start);
-    for (int l = 0; l < count; ++l) {
-        Report& report = batch.solution.report[begin + l];
-        report = lane[l].report;
-        report_residual(batch, begin + l);
-        share_time(report, seconds, total, count);
+    project_samples<W>(buffers.solving, buffers.waiting, buffers.task, options, way, seconds);
+    for (int s = 0; s < count; ++s) {
+        batch.solution.report[begin + s] = buffers.task[s].report;
+        report_residual(batch, begin + s);
     }
+    const double total = seconds_since(start);
+    for (int s = begin; s < begin + count; ++s) share_time(batch.solution.report[s], seconds, total, count);
 }
 
 /// For a sample that the quick way did not bring to its tolerance: from further inside with more sweeps, then by the
 /// cone program. Keeps the best.
-void project_again(const Batch& batch, InextensibilityBuffers<1>& buffers, ConeSolver::Workspace& cone, int sample) {
+void project_again(const Batch& batch, LanePair<1>& buffers, ConeSolver::Workspace& cone, int sample) {
     const Clock::time_point start = Clock::now();
     Report& report = batch.solution.report[sample];
     const Report quick = report;
-    const InextensibilityLane out = batch.lane(sample);
+    const InextensibilityTask out = batch.task(sample);
     std::vector<double> best_position(out.position, out.position + batch.positions());
     std::vector<double> best_multiplier(out.multiplier, out.multiplier + batch.edges());
     double best = quick.residual;
@@ -215,10 +226,10 @@ void project_again(const Batch& batch, InextensibilityBuffers<1>& buffers, ConeS
         std::copy_n(out.position, batch.positions(), best_position.data());
         std::copy_n(out.multiplier, batch.edges(), best_multiplier.data());
     };
-    std::array<InextensibilityLane, 1> lane{out};
-    lane[0].warm = false;
-    project_group<1>(buffers, lane, batch.options, {50, 1.0}, seconds);
-    keep_best(lane[0].report);
+    InextensibilityTask again = out;
+    again.warm = false;
+    project_samples<1>(buffers.solving, buffers.waiting, {&again, 1}, batch.options, {50, 1.0}, seconds);
+    keep_best(again.report);
     if (!(best <= batch.options.tolerance))
         keep_best(batch.cone.project({out.predicted, batch.positions()}, {out.position, batch.positions()},
                                      {out.multiplier, batch.edges()}, batch.options, cone));
@@ -254,7 +265,7 @@ void Inextensibility::project(std::span<const double> predicted, Inextensibility
     const int threads = static_cast<int>(slots.size());
     if (impl_->options.method == InextensibilityOptions::Method::cone) {
         parallel_for(count, threads, [&](int slot, int sample) {
-            const InextensibilityLane lane = batch.lane(sample);
+            const InextensibilityTask lane = batch.task(sample);
             solution.report[sample] =
                 impl_->cone.project({lane.predicted, positions}, {lane.position, positions}, {lane.multiplier, edges},
                                     impl_->options, workspace.buffers_->get_cone(slot, impl_->cone));
@@ -264,9 +275,11 @@ void Inextensibility::project(std::span<const double> predicted, Inextensibility
     if (count == 1) {
         project_lanes<1>(batch, workspace.buffers_->get<1>(0, impl_->shared), 0, 1);
     } else {
-        parallel_for((count + 7) / 8, threads, [&](int slot, int group) {
-            project_lanes<8>(batch, workspace.buffers_->get<8>(slot, impl_->shared), 8 * group,
-                             std::min(8, count - 8 * group));
+        // Each thread has one share, as long as shares are large enough to keep its lanes full.
+        const int share = 8 * std::max(1, (count + 8 * threads - 1) / (8 * threads));
+        parallel_for((count + share - 1) / share, threads, [&](int slot, int part) {
+            project_lanes<8>(batch, workspace.buffers_->get<8>(slot, impl_->shared), share * part,
+                             std::min(share, count - share * part));
         });
     }
     parallel_for(count, threads, [&](int slot, int sample) {
@@ -347,7 +360,7 @@ void Inextensibility::backward(const InextensibilitySolution& solution, std::spa
             lane[l].result = gradient.predicted.data() + s * positions;
             lane[l].multiplier_result = gradient.edge_max_length.data() + s * edges;
         }
-        differentiate<W>(slots.template get<W>(slot, impl_->shared), lane, size, impl_->options.tolerance,
+        differentiate<W>(slots.template get<W>(slot, impl_->shared).solving, lane, size, impl_->options.tolerance,
                          {gradient.report.data() + begin, static_cast<std::size_t>(size)});
     });
 }
@@ -386,7 +399,7 @@ void Inextensibility::tangent(const InextensibilitySolution& solution, std::span
             if (!edge_max_length_change.empty()) lane[l].limit_change = edge_max_length_change.data() + s * edges;
             lane[l].result = tangent.position.data() + s * positions;
         }
-        differentiate<W>(slots.template get<W>(slot, impl_->shared), lane, size, impl_->options.tolerance,
+        differentiate<W>(slots.template get<W>(slot, impl_->shared).solving, lane, size, impl_->options.tolerance,
                          {tangent.report.data() + begin, static_cast<std::size_t>(size)});
     });
 }

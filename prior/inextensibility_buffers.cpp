@@ -41,8 +41,7 @@ void InextensibilityShared::scale(const InextensibilityModel& model) {
 }
 
 template <int W>
-InextensibilityBuffers<W>::InextensibilityBuffers(const InextensibilityShared& given)
-    : shared(given), lanes{}, cholesky(given.symbolic) {
+InextensibilityBuffers<W>::InextensibilityBuffers(const InextensibilityShared& given) : shared(given), lanes{} {
     const std::size_t v = 3 * static_cast<std::size_t>(shared.vertex_count), e = shared.edge_count;
     lanes.vertex_count = shared.vertex_count;
     lanes.edge_count = shared.edge_count;
@@ -55,7 +54,25 @@ InextensibilityBuffers<W>::InextensibilityBuffers(const InextensibilityShared& g
                        &lanes.multiplier_step, &lanes.slack_trial, &lanes.multiplier_trial})
         *p = take(e);
     for (double** p : {&lanes.direction, &lanes.split, &lanes.dual}) *p = take(3 * e);
+}
+
+template <int W>
+void InextensibilityBuffers<W>::make_matrix() {
+    if (cholesky) return;
     lanes.block = take(9 * static_cast<std::size_t>(shared.symbolic->slot_count()));
+    cholesky = std::make_unique<LaneCholesky<W>>(shared.symbolic);
+}
+
+template <int W>
+void InextensibilityBuffers<W>::take_lane(int lane, const InextensibilityBuffers& from, int from_lane) {
+    const auto copy = [&](double* to, const double* source, int count) {
+        for (int i = 0; i < count; ++i) to[i * W + lane] = source[i * W + from_lane];
+    };
+    origin[lane] = from.origin[from_lane];
+    copy(lanes.predicted, from.lanes.predicted, 3 * shared.vertex_count);
+    copy(lanes.position, from.lanes.position, 3 * shared.vertex_count);
+    copy(lanes.slack, from.lanes.slack, shared.edge_count);
+    copy(lanes.multiplier, from.lanes.multiplier, shared.edge_count);
 }
 
 template <int W>

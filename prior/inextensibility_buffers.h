@@ -38,7 +38,9 @@ class InextensibilityBuffers {
 
     const InextensibilityShared& shared;
     InextensibilityLanes<W> lanes;
-    LaneCholesky<W> cholesky;
+    std::unique_ptr<LaneCholesky<W>> cholesky;
+    /// Makes matrix and factor, if they are not there: most of the memory, and not all buffers need them.
+    void make_matrix();
     std::array<std::array<double, 3>, W> origin{};  ///< of each lane's sample [m]
 
     /// Brings `[V x 3]` positions into a lane of `predicted`, relative to their mean, and keeps that as the lane's
@@ -49,6 +51,9 @@ class InextensibilityBuffers {
     void load_multiplier(int lane, const double* multiplier);
     void store_position(int lane, double* position) const;
     void store_multiplier(int lane, double* multiplier) const;
+
+    /// Takes over a sample that is being solved: predicted, position, slack and multiplier of a lane.
+    void take_lane(int lane, const InextensibilityBuffers& from, int from_lane);
 
   private:
     double* take(std::size_t doubles);

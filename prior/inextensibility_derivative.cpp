@@ -149,10 +149,10 @@ void TautSystem<W>::correct(const Attempt& attempt) {
         }
         if (std::none_of(going_.begin(), going_.end(), [](bool g) { return g; })) return;
         if (correction == 0) {
-            const std::bitset<W> good = buffers_.cholesky.factor_and_solve(g_.block, g_.step);
+            const std::bitset<W> good = buffers_.cholesky->factor_and_solve(g_.block, g_.step);
             for (int l = 0; l < W; ++l) going_[l] = going_[l] && good[l];
         } else {
-            buffers_.cholesky.solve(g_.step);
+            buffers_.cholesky->solve(g_.step);
         }
         taut_correction<W>(g_, gamma_.value);
     }
@@ -179,6 +179,7 @@ void TautSystem<W>::report() {
 template <int W>
 void differentiate_group(InextensibilityBuffers<W>& buffers, std::array<InextensibilityDerivativeLane, W>& lane,
                          double tolerance) {
+    buffers.make_matrix();
     TautSystem<W> system(buffers, lane, tolerance);
     for (const Attempt& attempt : attempts)
         if (system.solve(attempt)) break;

@@ -153,6 +153,35 @@ TOILE_LANE_KERNEL void linearise(const InextensibilityLanes<W>& g, Inextensibili
 }
 
 template <int W>
+TOILE_LANE_KERNEL void measure_solution(const InextensibilityLanes<W>& g, InextensibilityMeasure& measure) {
+    const Lane<W> zero = lane_broadcast<W>(0.0);
+    Lane<W> force = zero, over = lane_broadcast<W>(-1.0), comp = zero, most = zero, stat = zero;
+    for (int v = 0; v < g.vertex_count; ++v) {
+        LaneVector<W> f = difference<W>(g.position + 3 * v * W, g.predicted + 3 * v * W);
+        f = {g.stiffness[v] * f.x, g.stiffness[v] * f.y, g.stiffness[v] * f.z};
+        force = largest_of<W>(force, f);
+        store_vector<W>(g.stationarity + 3 * v * W, f);
+    }
+    for (int e = 0; e < g.edge_count; ++e) {
+        const int a = 3 * g.edge[2 * e], b = 3 * g.edge[2 * e + 1];
+        const LaneVector<W> d = difference<W>(g.position + a * W, g.position + b * W);
+        const Lane<W> l = lane_sqrt(dot<W>(d, d) + tiny), lambda = load_lanes<W>(g.multiplier + e * W);
+        const Lane<W> beyond = (l - g.limit[e]) * (1.0 / g.limit[e]);
+        over = lane_max(over, beyond);
+        comp = lane_max(comp, lambda * lane_abs(beyond));
+        most = lane_max(most, lambda);
+        add_opposite<W>(g.stationarity + a * W, g.stationarity + b * W, lambda / l, d);
+    }
+    for (int v = 0; v < g.vertex_count; ++v) stat = largest_of<W>(stat, load_vector<W>(g.stationarity + 3 * v * W));
+    store_lanes<W>(measure.stationarity, stat);
+    store_lanes<W>(measure.force, force);
+    store_lanes<W>(measure.overlength, over);
+    store_lanes<W>(measure.complementarity, comp);
+    store_lanes<W>(measure.multiplier, most);
+    store_lanes<W>(measure.gap, zero);
+}
+
+template <int W>
 TOILE_LANE_KERNEL void measure_affine(const InextensibilityLanes<W>& g, double* inverse_length) {
     Lane<W> worst = lane_broadcast<W>(0.0);
     for (int e = 0; e < g.edge_count; ++e) {
@@ -245,6 +274,7 @@ TOILE_LANE_KERNEL void advance(const InextensibilityLanes<W>& g, const double* l
     template void smooth_start<W>(const InextensibilityLanes<W>&, double, const double*);           \
     template void resume_sweeps<W>(const InextensibilityLanes<W>&, double);                         \
     template void linearise<W>(const InextensibilityLanes<W>&, InextensibilityMeasure&);            \
+    template void measure_solution<W>(const InextensibilityLanes<W>&, InextensibilityMeasure&);     \
     template void measure_affine<W>(const InextensibilityLanes<W>&, double*);                       \
     template void aim_at_centre<W>(const InextensibilityLanes<W>&, const double*);                  \
     template void measure_step<W>(const InextensibilityLanes<W>&, bool, double*);                   \

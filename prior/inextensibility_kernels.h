@@ -67,6 +67,9 @@ void resume_sweeps(const InextensibilityLanes<W>& lanes, double penalty);
 /// Residuals at (r, λ, s), the matrix, and in `step` the right-hand side of the affine step.
 template <int W>
 void linearise(const InextensibilityLanes<W>& lanes, InextensibilityMeasure& measure);
+/// The residuals alone, at r and λ.
+template <int W>
+void measure_solution(const InextensibilityLanes<W>& lanes, InextensibilityMeasure& measure);
 /// Ends the affine step from the solved `step`: its product of changes into `target`, the reciprocal of the longest
 /// step into `inverse_length` `[W]`.
 template <int W>
