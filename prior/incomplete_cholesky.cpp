@@ -2,77 +2,11 @@
 
 #include <algorithm>
 
+#include "prior/float_lanes.h"
 #include "prior/lane_vector.h"
 
 namespace toile::prior {
 namespace {
-
-using Floats8 = float __attribute__((vector_size(32)));
-using StoredFloats8 = float __attribute__((vector_size(32), may_alias));
-
-template <int W>
-struct FloatsOf {
-    using Type = float;
-};
-template <>
-struct FloatsOf<8> {
-    using Type = Floats8;
-};
-/// Lanes in single precision.
-template <int W>
-using Floats = typename FloatsOf<W>::Type;
-
-template <int W, class Single>
-[[gnu::always_inline]] inline Floats<W> load_floats(const Single* p) {
-    if constexpr (W == 1)
-        return p->lane[0];
-    else
-        return *reinterpret_cast<const StoredFloats8*>(p->lane);
-}
-template <int W, class Single>
-[[gnu::always_inline]] inline void store_floats(Single* p, const Floats<W>& x) {
-    if constexpr (W == 1)
-        p->lane[0] = x;
-    else
-        *reinterpret_cast<StoredFloats8*>(p->lane) = x;
-}
-template <int W>
-[[gnu::always_inline]] inline Floats<W> narrow(const Lane<W>& x) {
-    if constexpr (W == 1)
-        return static_cast<float>(x);
-    else
-        return __builtin_convertvector(x, Floats8);
-}
-template <int W>
-[[gnu::always_inline]] inline Lane<W> widen(const Floats<W>& x) {
-    if constexpr (W == 1)
-        return x;
-    else
-        return __builtin_convertvector(x, Lane8);
-}
-
-/// A vector in space in each lane, in single precision.
-template <int W>
-struct FloatVector {
-    Floats<W> x, y, z;
-};
-template <int W, class Single>
-[[gnu::always_inline]] inline FloatVector<W> load_float_vector(const Single* p) {
-    return {load_floats<W>(p), load_floats<W>(p + 1), load_floats<W>(p + 2)};
-}
-template <int W, class Single>
-[[gnu::always_inline]] inline void store_float_vector(Single* p, const FloatVector<W>& v) {
-    store_floats<W>(p, v.x);
-    store_floats<W>(p + 1, v.y);
-    store_floats<W>(p + 2, v.z);
-}
-/// The symmetric block (xx, yx, yy, zx, zy, zz) at p, times v.
-template <int W, class Single>
-[[gnu::always_inline]] inline FloatVector<W> pivot_times(const Single* p, const FloatVector<W>& v) {
-    const Floats<W> xx = load_floats<W>(p), yx = load_floats<W>(p + 1), yy = load_floats<W>(p + 2);
-    const Floats<W> zx = load_floats<W>(p + 3), zy = load_floats<W>(p + 4), zz = load_floats<W>(p + 5);
-    return {xx * v.x + yx * v.y + zx * v.z, yx * v.x + yy * v.y + zy * v.z, zx * v.x + zy * v.y + zz * v.z};
-}
 
 /// A symmetric block as (xx, yx, yy, zx, zy, zz).
 template <int W>
@@ -139,9 +73,9 @@ struct FactorTask {
     const double* form;
     const double* diagonal;
     const double* exact;
-    typename IncompleteCholesky<W>::Single* lower;
+    SingleLanes<W>* lower;
     double* inverse;
-    typename IncompleteCholesky<W>::Single* pivot;
+    SingleLanes<W>* pivot;
     double* row;
 };
 
@@ -214,16 +148,38 @@ TOILE_LANE_KERNEL void factor_rows(const FactorTask<W>& task, double* lost_pivot
     store_lanes<W>(lost_pivot, lost);
 }
 
-template <int W, class Single>
-TOILE_LANE_KERNEL void solve_forward(const SpringGraph& graph, const Single* lower, const Single* pivot,
-                                     const double* r, Single* w, Single* u) {
+template <int W>
+[[gnu::always_inline]] inline FloatVector<W> load_right_side(const double* r, int i) {
+    const LaneVector<W> v = load_vector<W>(r + 3 * W * i);
+    return {narrow<W>(v.x), narrow<W>(v.y), narrow<W>(v.z)};
+}
+template <int W>
+[[gnu::always_inline]] inline FloatVector<W> load_right_side(const SingleLanes<W>* r, int i) {
+    return load_float_vector<W>(r + 3 * i);
+}
+/// Keeps z_i; gives r_i · z_i.
+template <int W>
+[[gnu::always_inline]] inline Lane<W> store_solution(const double* r, double* z, int i, const FloatVector<W>& x) {
+    const LaneVector<W> wide{widen<W>(x.x), widen<W>(x.y), widen<W>(x.z)};
+    store_vector<W>(z + 3 * W * i, wide);
+    return dot<W>(wide, load_vector<W>(r + 3 * W * i));
+}
+template <int W>
+[[gnu::always_inline]] inline Lane<W> store_solution(const SingleLanes<W>* r, SingleLanes<W>* z, int i,
+                                                     const FloatVector<W>& x) {
+    store_float_vector<W>(z + 3 * i, x);
+    return widen<W>(dot<W>(x, load_float_vector<W>(r + 3 * i)));
+}
+
+template <int W, class Vector>
+TOILE_LANE_KERNEL void solve_forward(const SpringGraph& graph, const SingleLanes<W>* lower, const SingleLanes<W>* pivot,
+                                     const Vector* r, SingleLanes<W>* w, SingleLanes<W>* u) {
     const SpringGraph::Entry* entry = graph.entry.data();
     for (int i = 0; i < graph.vertex_count; ++i) {
-        const LaneVector<W> right = load_vector<W>(r + 3 * W * i);
-        FloatVector<W> s{narrow<W>(right.x), narrow<W>(right.y), narrow<W>(right.z)};
+        FloatVector<W> s = load_right_side<W>(r, i);
         for (int e = graph.row_first[i]; e < graph.row_first[i + 1]; ++e) {
             const FloatVector<W> y = load_float_vector<W>(w + 3 * entry[e].column);
-            const Single* l = lower + 9 * e;
+            const SingleLanes<W>* l = lower + 9 * e;
             s.x -= load_floats<W>(l) * y.x + load_floats<W>(l + 1) * y.y + load_floats<W>(l + 2) * y.z;
             s.y -= load_floats<W>(l + 3) * y.x + load_floats<W>(l + 4) * y.y + load_floats<W>(l + 5) * y.z;
             s.z -= load_floats<W>(l + 6) * y.x + load_floats<W>(l + 7) * y.y + load_floats<W>(l + 8) * y.z;
@@ -233,19 +189,18 @@ TOILE_LANE_KERNEL void solve_forward(const SpringGraph& graph, const Single* low
     }
 }
 
-template <int W, class Single>
-TOILE_LANE_KERNEL void solve_backward(const SpringGraph& graph, const Single* lower, const Single* pivot,
-                                      const double* r, double* z, Single* u, double* r_dot_z) {
+template <int W, class Vector>
+TOILE_LANE_KERNEL void solve_backward(const SpringGraph& graph, const SingleLanes<W>* lower,
+                                      const SingleLanes<W>* pivot, const Vector* r, Vector* z, SingleLanes<W>* u,
+                                      double* r_dot_z) {
     const SpringGraph::Entry* entry = graph.entry.data();
     Lane<W> sum = lane_broadcast<W>(0.0);
     for (int i = graph.vertex_count - 1; i >= 0; --i) {
         const FloatVector<W> x = pivot_times<W>(pivot + 6 * i, load_float_vector<W>(u + 3 * i));
-        const LaneVector<W> wide{widen<W>(x.x), widen<W>(x.y), widen<W>(x.z)};
-        store_vector<W>(z + 3 * W * i, wide);
-        sum += dot<W>(wide, load_vector<W>(r + 3 * W * i));
+        sum += store_solution<W>(r, z, i, x);
         for (int e = graph.row_first[i]; e < graph.row_first[i + 1]; ++e) {
-            Single* out = u + 3 * entry[e].column;
-            const Single* l = lower + 9 * e;
+            SingleLanes<W>* out = u + 3 * entry[e].column;
+            const SingleLanes<W>* l = lower + 9 * e;
             FloatVector<W> s = load_float_vector<W>(out);
             s.x -= load_floats<W>(l) * x.x + load_floats<W>(l + 3) * x.y + load_floats<W>(l + 6) * x.z;
             s.y -= load_floats<W>(l + 1) * x.x + load_floats<W>(l + 4) * x.y + load_floats<W>(l + 7) * x.z;
@@ -277,6 +232,12 @@ void IncompleteCholesky<W>::factor(const double* form, const double* diagonal, c
 
 template <int W>
 void IncompleteCholesky<W>::solve(const double* r, double* z, double* r_dot_z) {
+    solve_forward<W>(graph_, lower_.data(), pivot_.data(), r, w_.data(), u_.data());
+    solve_backward<W>(graph_, lower_.data(), pivot_.data(), r, z, u_.data(), r_dot_z);
+}
+
+template <int W>
+void IncompleteCholesky<W>::solve_single(const SingleLanes<W>* r, SingleLanes<W>* z, double* r_dot_z) {
     solve_forward<W>(graph_, lower_.data(), pivot_.data(), r, w_.data(), u_.data());
     solve_backward<W>(graph_, lower_.data(), pivot_.data(), r, z, u_.data(), r_dot_z);
 }

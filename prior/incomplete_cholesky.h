@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "cloth/lane_array.h"
+#include "prior/float_lanes.h"
 #include "prior/preconditioner.h"
 #include "prior/spring_graph.h"
 
@@ -21,18 +22,16 @@ class IncompleteCholesky final : public Preconditioner<W> {
     /// z = (L + D)⁻ᵀ D (L + D)⁻¹ r.
     void solve(const double* r, double* z, double* r_dot_z) override;
 
-    /// One number of each lane in single precision.
-    struct alignas(4 * W) Single {
-        float lane[W];
-    };
+    /// The same for vectors in single precision.
+    void solve_single(const SingleLanes<W>* r, SingleLanes<W>* z, double* r_dot_z);
 
   private:
     const SpringGraph& graph_;
-    std::vector<Single> lower_;  // [S][9], rows of L
-    LaneArray inverse_;          // [V][6][W], D⁻¹
-    std::vector<Single> pivot_;  // [V][6], D⁻¹ again
-    LaneArray row_;              // [widest row][9][W], L D⁻¹ of the row at work
-    std::vector<Single> w_, u_;  // [V][3]
+    std::vector<SingleLanes<W>> lower_;  // [S][9], rows of L
+    LaneArray inverse_;                  // [V][6][W], D⁻¹
+    std::vector<SingleLanes<W>> pivot_;  // [V][6], D⁻¹ again
+    LaneArray row_;                      // [widest row][9][W], L D⁻¹ of the row at work
+    std::vector<SingleLanes<W>> w_, u_;  // [V][3]
 };
 
 extern template class IncompleteCholesky<1>;

@@ -40,9 +40,9 @@ struct NewtonLanes<W>::Lane {
     QuasistaticSample sample;
     Report report;
     double seconds[stages] = {};
-    double scale = 1;          // the residual's denominator
-    double gradient_norm = 0;  // of this step, 2-norm
-    double previous_norm = 0;  // of the step before, or 0
+    double scale = 1;             // the residual's denominator
+    double right_side_norm = 0;   // 2-norm of the system's right-hand side, in the units of the sweeps
+    double previous_largest = 0;  // entry of the gradient, a step before; 0 at first
     int slow_steps = 0;
     bool stuck = false;     // no step lowers the energy
     bool sweeping = false;  // in conjugate gradients
@@ -54,14 +54,14 @@ struct NewtonLanes<W>::Lane {
 
 template <int W>
 NewtonLanes<W>::NewtonLanes(const SpringGraph& graph, const NewtonRules& rules,
-                            std::unique_ptr<Preconditioner<W>> preconditioner)
+                            std::unique_ptr<Preconditioner<W>> preconditioner, std::unique_ptr<LinearSweeps<W>> sweeps)
     : graph_(graph),
       rules_(rules),
       preconditioner_(std::move(preconditioner)),
+      sweeps_(std::move(sweeps)),
       size_(3 * graph.vertex_count),
       lane_(std::make_unique<Lane[]>(W)) {
-    for (LaneArray* vector : {&predicted_, &position_, &trial_, &gradient_, &trial_gradient_, &direction_, &residual_,
-                              &conditioned_, &search_, &product_})
+    for (LaneArray* vector : {&predicted_, &position_, &trial_, &gradient_, &trial_gradient_, &direction_})
         *vector = LaneArray(static_cast<size_t>(size_) * W);
     form_ = LaneArray(4 * W * graph.spring.size());
     diagonal_ = LaneArray(2 * W * static_cast<size_t>(size_));
@@ -243,22 +243,19 @@ bool NewtonLanes<W>::any_sweeping() const {
 /// r = g, d = 0, q = z = P r; and how far each lane wants to go.
 template <int W>
 void NewtonLanes<W>::begin_sweeps() {
-    std::copy_n(gradient_.data(), gradient_.size(), residual_.data());
-    std::fill_n(direction_.data(), direction_.size(), 0.0);
-    preconditioner_->solve(residual_.data(), conditioned_.data(), r_dot_z_);
-    std::copy_n(conditioned_.data(), conditioned_.size(), search_.data());
-    dot_lanes<W>(size_, residual_.data(), residual_.data(), residual_squared_);
+    sweeps_->set_system(form_.data());
+    sweeps_->begin(gradient_.data(), r_dot_z_, residual_squared_);
     lap(preconditioning);
     for (int l = 0; l < W; ++l) {
         Lane& lane = lane_[l];
         lane.sweeping = lane.number >= 0;
         if (!lane.sweeping) continue;
-        lane.gradient_norm = std::sqrt(residual_squared_[l]);
+        lane.right_side_norm = std::sqrt(residual_squared_[l]);
         // Superlinear: as much accuracy as the last step gained.
-        const double gained = lane.previous_norm > 0.0 ? lane.gradient_norm / lane.previous_norm : 1.0;
+        const double gained = lane.previous_largest > 0.0 ? value_.largest[l] / lane.previous_largest : 1.0;
         const double goal = 0.3 * rules_.tolerance * lane.scale / value_.largest[l];
         lane.forcing = std::max(std::min(rules_.loosest_forcing, gained), goal);
-        lane.previous_norm = lane.gradient_norm;
+        lane.previous_largest = value_.largest[l];
         lane.search_norm = r_dot_z_[l];
     }
 }
@@ -284,14 +281,13 @@ template <int W>
 void NewtonLanes<W>::solve_system() {
     begin_sweeps();
     for (int k = 0; any_sweeping(); ++k) {
-        multiply_springs<W>(graph_, form_.data(), search_.data(), product_.data(), curvature_, search_squared_);
+        sweeps_->multiply(curvature_);
         accept_curvature();
-        advance_lanes<W>(size_, length_, search_.data(), product_.data(), direction_.data(), residual_.data(),
-                         residual_squared_, residual_largest_);
+        sweeps_->advance(length_, residual_squared_, residual_largest_);
         for (int l = 0; l < W; ++l) {
             Lane& lane = lane_[l];
             if (!lane.sweeping) continue;
-            lane.sweeping = std::sqrt(residual_squared_[l]) > lane.forcing * lane.gradient_norm;
+            lane.sweeping = std::sqrt(residual_squared_[l]) > lane.forcing * lane.right_side_norm;
             if (lane.sweeping && k + 1 >= rules_.max_sweeps) {
                 lane.sweeping = false;
                 ++lane.slow_steps;
@@ -299,15 +295,16 @@ void NewtonLanes<W>::solve_system() {
         }
         lap(sweep);
         if (!any_sweeping()) break;
-        preconditioner_->solve(residual_.data(), conditioned_.data(), r_dot_z_next_);
+        sweeps_->condition(r_dot_z_next_);
         for (int l = 0; l < W; ++l) {
             turn_[l] = lane_[l].sweeping ? r_dot_z_next_[l] / r_dot_z_[l] : 0.0;
             r_dot_z_[l] = r_dot_z_next_[l];
             lane_[l].search_norm = r_dot_z_[l] + turn_[l] * turn_[l] * lane_[l].search_norm;
         }
-        turn_lanes<W>(size_, turn_, conditioned_.data(), search_.data());
+        sweeps_->turn(turn_);
         lap(preconditioning);
     }
+    sweeps_->read(direction_.data());
 }
 
 /// Whether the trial will do; if not, the step is made shorter.

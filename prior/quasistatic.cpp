@@ -153,14 +153,23 @@ void on_threads(int threads, const std::function<void(int)>& task) {
 namespace {
 
 template <int W>
-NewtonLanes<W>& solver(std::unique_ptr<NewtonLanes<W>>& kept, const SpringGraph& graph, const NewtonRules& rules,
-                       bool jacobi) {
+NewtonLanes<W>& fast_solver(std::unique_ptr<NewtonLanes<W>>& kept, const Quasistatic::Impl& prior) {
     if (!kept) {
-        std::unique_ptr<Preconditioner<W>> preconditioner;
-        if constexpr (W == 1)
-            if (jacobi) preconditioner = std::make_unique<BlockJacobi>(graph);
-        if (!preconditioner) preconditioner = std::make_unique<IncompleteCholesky<W>>(graph);
-        kept = std::make_unique<NewtonLanes<W>>(graph, rules, std::move(preconditioner));
+        auto factor = std::make_unique<IncompleteCholesky<W>>(prior.graph);
+        auto sweeps = std::make_unique<SingleSweeps<W>>(prior.graph, *factor);
+        kept = std::make_unique<NewtonLanes<W>>(prior.graph, rules_of(prior.options), std::move(factor),
+                                                std::move(sweeps));
+    }
+    return *kept;
+}
+
+template <class Factor>
+NewtonLanes<1>& double_solver(std::unique_ptr<NewtonLanes<1>>& kept, const Quasistatic::Impl& prior,
+                              const NewtonRules& rules) {
+    if (!kept) {
+        auto factor = std::make_unique<Factor>(prior.graph);
+        auto sweeps = std::make_unique<DoubleSweeps<1>>(prior.graph, *factor);
+        kept = std::make_unique<NewtonLanes<1>>(prior.graph, rules, std::move(factor), std::move(sweeps));
     }
     return *kept;
 }
@@ -199,12 +208,13 @@ void Quasistatic::project(std::span<const double> predicted, QuasistaticSolution
             sample(i, out);
             return i;
         };
-        if (count == 1 || jacobi)
-            solver<1>(buffers.one[slot], impl_->graph, rules_of(impl_->options), jacobi)
+        if (jacobi)
+            double_solver<BlockJacobi>(buffers.one[slot], *impl_, rules_of(impl_->options))
                 .run(std::cref(take), std::cref(set_aside));
+        else if (count == 1)
+            fast_solver<1>(buffers.one[slot], *impl_).run(std::cref(take), std::cref(set_aside));
         else
-            solver<8>(buffers.eight[slot], impl_->graph, rules_of(impl_->options), false)
-                .run(std::cref(take), std::cref(set_aside));
+            fast_solver<8>(buffers.eight[slot], *impl_).run(std::cref(take), std::cref(set_aside));
     };
     on_threads(threads, std::cref(work));
     if (!jacobi && !buffers.hard.empty()) project_hard(predicted, solution, workspace);
@@ -232,19 +242,17 @@ void Quasistatic::project_hard(std::span<const double> predicted, QuasistaticSol
     std::atomic<int> next{0};
     const int count = static_cast<int>(buffers.hard.size());
     on_threads(std::min(count, buffers.threads), [&](int slot) {
-        if (!buffers.last_resort[slot])
-            buffers.last_resort[slot] = std::make_unique<NewtonLanes<1>>(
-                impl_->graph, rules_of_last_resort(impl_->options), std::make_unique<CompleteCholesky>(impl_->graph));
-        buffers.last_resort[slot]->run(
-            [&](QuasistaticSample& out) {
-                const int k = next++;
-                if (k >= count) return -1;
-                const auto i = static_cast<size_t>(buffers.hard[static_cast<size_t>(k)]);
-                double* const position = solution.position.data() + size * i;
-                out = {predicted.data() + size * i, position, position, &solution.report[i]};
-                return k;
-            },
-            [](int) {});
+        double_solver<CompleteCholesky>(buffers.last_resort[slot], *impl_, rules_of_last_resort(impl_->options))
+            .run(
+                [&](QuasistaticSample& out) {
+                    const int k = next++;
+                    if (k >= count) return -1;
+                    const auto i = static_cast<size_t>(buffers.hard[static_cast<size_t>(k)]);
+                    double* const position = solution.position.data() + size * i;
+                    out = {predicted.data() + size * i, position, position, &solution.report[i]};
+                    return k;
+                },
+                [](int) {});
     });
 }
 
