@@ -183,33 +183,37 @@ template <class S, int ROWS>
     }
 }
 
+template <int W>
+[[gnu::always_inline]] inline LaneMask<W> is_good_pivot(const Lane<W>& pivot) {
+    return lane_less(lane_broadcast<W>(0.0), pivot) & lane_is_finite(pivot);
+}
+template <int W>
+[[gnu::always_inline]] inline Lane<W> reciprocal_root(const Lane<W>& pivot, const LaneMask<W>& good) {
+    return 1.0 / lane_sqrt(lane_select(good, pivot, lane_broadcast<W>(1.0)));
+}
+
 /// Cholesky of a diagonal block, in place; returns the mask of lanes with positive pivots. A pivot that is not is
 /// replaced by 1.
 template <class S>
 [[gnu::always_inline]] inline LaneMask<S::lanes> factor_diagonal(double* block) {
-    constexpr int W = S::lanes;
-    const auto at = [&](int r, int c) [[gnu::always_inline]] { return block + c * S::column + r * W; };
-    const Lane<W> one = lane_broadcast<W>(1.0), zero = lane_broadcast<W>(0.0);
-    const auto reciprocal_root = [&](Lane<W> pivot, LaneMask<W> good)
-                                     [[gnu::always_inline]] { return 1.0 / lane_sqrt(lane_select(good, pivot, one)); };
-    const auto is_good = [&](Lane<W> pivot)
-                             [[gnu::always_inline]] { return lane_less(zero, pivot) & lane_is_finite(pivot); };
-    const Lane<W> d0 = load_lanes<W>(at(0, 0));
-    const auto good0 = is_good(d0);
-    const Lane<W> p0 = reciprocal_root(d0, good0);
-    const Lane<W> l10 = load_lanes<W>(at(1, 0)) * p0, l20 = load_lanes<W>(at(2, 0)) * p0;
-    const Lane<W> d1 = load_lanes<W>(at(1, 1)) - l10 * l10;
-    const auto good1 = is_good(d1);
-    const Lane<W> p1 = reciprocal_root(d1, good1);
-    const Lane<W> l21 = (load_lanes<W>(at(2, 1)) - l20 * l10) * p1;
-    const Lane<W> d2 = load_lanes<W>(at(2, 2)) - l20 * l20 - l21 * l21;
-    const auto good2 = is_good(d2);
-    store_lanes<W>(at(0, 0), p0);
-    store_lanes<W>(at(1, 0), l10);
-    store_lanes<W>(at(2, 0), l20);
-    store_lanes<W>(at(1, 1), p1);
-    store_lanes<W>(at(2, 1), l21);
-    store_lanes<W>(at(2, 2), reciprocal_root(d2, good2));
+    constexpr int W = S::lanes, column = S::column;
+    double *const c0 = block, *const c1 = block + column, *const c2 = block + 2 * column;
+    const Lane<W> d0 = load_lanes<W>(c0);
+    const auto good0 = is_good_pivot<W>(d0);
+    const Lane<W> p0 = reciprocal_root<W>(d0, good0);
+    const Lane<W> l10 = load_lanes<W>(c0 + W) * p0, l20 = load_lanes<W>(c0 + 2 * W) * p0;
+    const Lane<W> d1 = load_lanes<W>(c1 + W) - l10 * l10;
+    const auto good1 = is_good_pivot<W>(d1);
+    const Lane<W> p1 = reciprocal_root<W>(d1, good1);
+    const Lane<W> l21 = (load_lanes<W>(c1 + 2 * W) - l20 * l10) * p1;
+    const Lane<W> d2 = load_lanes<W>(c2 + 2 * W) - l20 * l20 - l21 * l21;
+    const auto good2 = is_good_pivot<W>(d2);
+    store_lanes<W>(c0, p0);
+    store_lanes<W>(c0 + W, l10);
+    store_lanes<W>(c0 + 2 * W, l20);
+    store_lanes<W>(c1 + W, p1);
+    store_lanes<W>(c1 + 2 * W, l21);
+    store_lanes<W>(c2 + 2 * W, reciprocal_root<W>(d2, good2));
     return good0 & good1 & good2;
 }
 
