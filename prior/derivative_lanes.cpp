@@ -9,7 +9,8 @@
 namespace toile::prior {
 namespace {
 
-constexpr double goal = 1e-12;     // of the residual's largest entry, relative to the right-hand side's
+constexpr double goal = 1e-12;  // of the residual's largest entry, relative to the right-hand side's
+constexpr int max_rounds = 8;
 constexpr double accepted = 1e-8;  // what counts as solved
 
 bool all_finite(const double* x, int size) {
@@ -20,13 +21,13 @@ bool all_finite(const double* x, int size) {
 
 template <int W>
 DerivativeLanes<W>::DerivativeLanes(const SpringGraph& graph, std::unique_ptr<Preconditioner<W>> preconditioner,
-                                    int max_sweeps)
+                                    std::unique_ptr<LinearSweeps<W>> sweeps, const DerivativeRules& rules)
     : graph_(graph),
       preconditioner_(std::move(preconditioner)),
-      max_sweeps_(max_sweeps),
+      sweeps_(std::move(sweeps)),
+      rules_(rules),
       size_(3 * graph.vertex_count) {
-    for (LaneArray* vector :
-         {&predicted_, &position_, &right_side_, &solution_, &residual_, &conditioned_, &search_, &product_})
+    for (LaneArray* vector : {&predicted_, &position_, &right_side_, &solution_, &residual_, &correction_, &product_})
         *vector = LaneArray(static_cast<size_t>(size_) * W);
     form_ = LaneArray(4 * W * graph.spring.size());
     diagonal_ = LaneArray(2 * W * static_cast<size_t>(size_));
@@ -89,10 +90,13 @@ void DerivativeLanes<W>::factor() {
     bool lost = false;
     for (int l = 0; l < W; ++l) {
         if (!loaded_[l] || lost_pivot_[l] == 0.0) continue;
-        exact_factor_[l] = 0.0;
         lost = true;
+        exact_factor_[l] = 0.0;
+        if (!rules_.complete_factor) continue;  // the system stays exact, with the projected Hessian's preconditioner
+        exact_[l] = 0.0;
+        indefinite_[l] = true;
     }
-    if (lost) build();  // these lanes are preconditioned by the projected Hessian; their system stays exact
+    if (lost) build();
 }
 
 /// Scales each lane's right-hand side to a largest entry of one: no sum over- or underflows.
@@ -101,8 +105,8 @@ void DerivativeLanes<W>::normalize() {
     largest_in_lanes<W>(size_, right_side_.data(), size_of_right_side_);
     for (int l = 0; l < W; ++l) {
         const double size = size_of_right_side_[l];
-        sweeping_[l] = loaded_[l] && size > 0.0 && std::isfinite(size);
-        length_[l] = sweeping_[l] ? 1.0 / size : 0.0;
+        used_[l] = loaded_[l] && size > 0.0 && std::isfinite(size);
+        length_[l] = used_[l] ? 1.0 / size : 0.0;
     }
     scale_lanes<W>(size_, length_, right_side_.data());
 }
@@ -112,56 +116,70 @@ bool DerivativeLanes<W>::any_sweeping() const {
     return std::any_of(sweeping_.begin(), sweeping_.end(), [](bool sweeping) { return sweeping; });
 }
 
-/// Conjugate gradients from zero for the lanes that are `sweeping_`. Lanes that meet negative curvature become
-/// `indefinite_`.
+/// Conjugate gradients for the correction of the lanes that are `sweeping_`, each to `rules_.reduction` of its residual
+/// or to the goal. A lane that meets negative curvature is given up.
 template <int W>
 void DerivativeLanes<W>::sweep() {
-    for (int l = 0; l < W; ++l) length_[l] = sweeping_[l] ? 1.0 : 0.0;
-    restart_lanes<W>(size_, length_, right_side_.data(), solution_.data(), residual_.data());
-    preconditioner_->solve(residual_.data(), conditioned_.data(), r_dot_z_);
-    std::copy_n(conditioned_.data(), conditioned_.size(), search_.data());
-    for (int k = 0; k < max_sweeps_ && any_sweeping(); ++k) {
-        multiply_springs<W>(graph_, form_.data(), search_.data(), product_.data(), curvature_, squared_);
+    double enough[W];
+    sweeps_->begin(residual_.data(), r_dot_z_, squared_, sweep_largest_);
+    for (int l = 0; l < W; ++l) enough[l] = sweep_largest_[l] * std::max(rules_.reduction, 0.5 * goal / largest_[l]);
+    for (int k = 0; k < rules_.max_sweeps && any_sweeping(); ++k) {
+        sweeps_->multiply(curvature_);
         for (int l = 0; l < W; ++l) {
-            indefinite_[l] |= sweeping_[l] && !(curvature_[l] > 0.0);
+            given_up_[l] |= sweeping_[l] && !(curvature_[l] > 0.0);
             sweeping_[l] = sweeping_[l] && curvature_[l] > 0.0;
             length_[l] = sweeping_[l] ? r_dot_z_[l] / curvature_[l] : 0.0;
         }
-        advance_lanes<W>(size_, length_, search_.data(), product_.data(), solution_.data(), residual_.data(), squared_,
-                         largest_);
-        for (int l = 0; l < W; ++l) sweeping_[l] = sweeping_[l] && largest_[l] > goal;
+        sweeps_->advance(length_, squared_, sweep_largest_);
+        for (int l = 0; l < W; ++l) sweeping_[l] = sweeping_[l] && sweep_largest_[l] > enough[l];
         if (!any_sweeping()) break;
-        preconditioner_->solve(residual_.data(), conditioned_.data(), r_dot_z_next_);
+        sweeps_->condition(r_dot_z_next_);
         for (int l = 0; l < W; ++l) {
             turn_[l] = sweeping_[l] ? r_dot_z_next_[l] / r_dot_z_[l] : 0.0;
             r_dot_z_[l] = r_dot_z_next_[l];
         }
-        turn_lanes<W>(size_, turn_, conditioned_.data(), search_.data());
+        sweeps_->turn(turn_);
     }
+    sweeps_->read(correction_.data());
 }
 
-template <int W>
-void DerivativeLanes<W>::solve() {
-    normalize();
-    const std::array<bool, W> before = indefinite_, used = sweeping_;
-    sweep();
-    for (int l = 0; l < W; ++l) {
-        sweeping_[l] = used[l] && indefinite_[l] && !before[l];
-        if (indefinite_[l]) exact_[l] = exact_factor_[l] = 0.0;
-    }
-    if (any_sweeping()) {
-        build();
-        sweep();
-    }
-    measure();
-}
-
-/// Reports the residuals that are, not those that were carried along, and gives solutions their size back.
+/// Residuals of the solution as it stands, in double precision.
 template <int W>
 void DerivativeLanes<W>::measure() {
     multiply_springs<W>(graph_, form_.data(), solution_.data(), product_.data(), curvature_, squared_);
     subtract_lanes<W>(size_, right_side_.data(), product_.data(), residual_.data());
     largest_in_lanes<W>(size_, residual_.data(), largest_);
+}
+
+template <int W>
+void DerivativeLanes<W>::solve() {
+    normalize();
+    given_up_.fill(false);
+    sweeps_->set_system(form_.data());
+    std::fill_n(solution_.data(), solution_.size(), 0.0);
+    std::copy_n(right_side_.data(), right_side_.size(), residual_.data());
+    std::fill_n(largest_, W, 1.0);
+    std::array<double, W> before;
+    before.fill(4.0);
+    for (int round = 0; round < max_rounds; ++round) {
+        for (int l = 0; l < W; ++l) {
+            used_[l] = used_[l] && !given_up_[l] && largest_[l] > goal && largest_[l] < 0.5 * before[l];
+            sweeping_[l] = used_[l];
+            before[l] = largest_[l];
+        }
+        if (!any_sweeping()) break;
+        sweep();
+        // Lanes that are done keep what they have.
+        for (int l = 0; l < W; ++l) length_[l] = used_[l] ? 1.0 : 0.0;
+        add_lanes<W>(size_, length_, correction_.data(), solution_.data());
+        measure();
+    }
+    write_reports();
+    scale_lanes<W>(size_, size_of_right_side_, solution_.data());
+}
+
+template <int W>
+void DerivativeLanes<W>::write_reports() {
     for (int l = 0; l < W; ++l) {
         DerivativeReport& report = report_[l];
         report = DerivativeReport{};
@@ -169,9 +187,9 @@ void DerivativeLanes<W>::measure() {
         report.linear_residual = size_of_right_side_[l] > 0.0 ? largest_[l] : 0.0;
         report.positive_definite = !indefinite_[l];
         report.active_set_distance = 1.0;
-        report.status = report.linear_residual <= accepted ? Status::converged : Status::accuracy_not_reached;
+        report.status =
+            !given_up_[l] && report.linear_residual <= accepted ? Status::converged : Status::accuracy_not_reached;
     }
-    scale_lanes<W>(size_, size_of_right_side_, solution_.data());
 }
 
 template class DerivativeLanes<1>;

@@ -4,19 +4,26 @@
 #include <memory>
 
 #include "cloth/lane_array.h"
+#include "prior/linear_sweeps.h"
 #include "prior/preconditioner.h"
 #include "prior/report.h"
 #include "prior/spring_graph.h"
 
 namespace toile::prior {
 
+struct DerivativeRules {
+    double reduction = 1e-5;       ///< of a residual in one round of conjugate gradients
+    int max_sweeps = 300;          ///< in one round
+    bool complete_factor = false;  ///< the preconditioner can tell whether a Hessian is positive definite
+};
+
 /// Solves H x = b with the exact Hessian at given positions, for W samples side by side: what both derivatives of the
 /// quasistatic prior need. All numbers are in the graph's units and numbering; b may have any unit.
 template <int W>
 class DerivativeLanes {
   public:
-    /// `max_sweeps` of conjugate gradients for one system.
-    DerivativeLanes(const SpringGraph& graph, std::unique_ptr<Preconditioner<W>> preconditioner, int max_sweeps);
+    DerivativeLanes(const SpringGraph& graph, std::unique_ptr<Preconditioner<W>> preconditioner,
+                    std::unique_ptr<LinearSweeps<W>> sweeps, const DerivativeRules& rules);
 
     /// Empties all lanes.
     void clear();
@@ -45,15 +52,17 @@ class DerivativeLanes {
     void sweep();
     bool any_sweeping() const;
     void measure();
+    void write_reports();
 
     const SpringGraph& graph_;
     std::unique_ptr<Preconditioner<W>> preconditioner_;
-    int max_sweeps_, size_;
-    LaneArray predicted_, position_, right_side_, solution_, residual_, conditioned_, search_, product_, form_,
-        diagonal_;
-    alignas(64) double exact_[W], exact_factor_[W], lost_pivot_[W], length_[W], turn_[W],
-        curvature_[W], squared_[W], largest_[W], r_dot_z_[W], r_dot_z_next_[W], size_of_right_side_[W];
-    std::array<bool, W> loaded_{}, sweeping_{}, indefinite_{};
+    std::unique_ptr<LinearSweeps<W>> sweeps_;
+    DerivativeRules rules_;
+    int size_;
+    LaneArray predicted_, position_, right_side_, solution_, residual_, correction_, product_, form_, diagonal_;
+    alignas(64) double exact_[W], exact_factor_[W], lost_pivot_[W], length_[W], turn_[W], curvature_[W], squared_[W],
+        largest_[W], sweep_largest_[W], r_dot_z_[W], r_dot_z_next_[W], size_of_right_side_[W];
+    std::array<bool, W> loaded_{}, used_{}, sweeping_{}, given_up_{}, indefinite_{};
     std::array<DerivativeReport, W> report_;
 };
 

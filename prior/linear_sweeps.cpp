@@ -90,12 +90,13 @@ DoubleSweeps<W>::DoubleSweeps(const SpringGraph& graph, Preconditioner<W>& preco
 }
 
 template <int W>
-void DoubleSweeps<W>::begin(const double* b, double* r_dot_z, double* r_squared) {
+void DoubleSweeps<W>::begin(const double* b, double* r_dot_z, double* r_squared, double* r_largest) {
     std::copy_n(b, r_.size(), r_.data());
     std::fill_n(d_.data(), d_.size(), 0.0);
     preconditioner_.solve(r_.data(), z_.data(), r_dot_z);
     std::copy_n(z_.data(), z_.size(), q_.data());
     dot_lanes<W>(size_, r_.data(), r_.data(), r_squared);
+    largest_in_lanes<W>(size_, b, r_largest);
 }
 
 template <int W>
@@ -138,10 +139,11 @@ void SingleSweeps<W>::set_system(const double* form) {
 }
 
 template <int W>
-void SingleSweeps<W>::begin(const double* b, double* r_dot_z, double* r_squared) {
+void SingleSweeps<W>::begin(const double* b, double* r_dot_z, double* r_squared, double* r_largest) {
     alignas(64) double inverse[W];
     largest_in_lanes<W>(size_, b, scale_);
     for (int l = 0; l < W; ++l) {
+        r_largest[l] = scale_[l] > 0.0 ? 1.0 : 0.0;
         if (!(scale_[l] > 0.0)) scale_[l] = 1.0;
         inverse[l] = 1.0 / scale_[l];
     }

@@ -27,7 +27,7 @@ class LinearSweeps {
 
     /// The Hessians (prior/spring_lanes.h). The preconditioner is factored by its owner.
     virtual void set_system(const double* form) = 0;
-    virtual void begin(const double* b, double* r_dot_z, double* r_squared) = 0;
+    virtual void begin(const double* b, double* r_dot_z, double* r_squared, double* r_largest) = 0;
     virtual void multiply(double* q_dot_y) = 0;
     virtual void advance(const double* length, double* r_squared, double* r_largest) = 0;
     virtual void condition(double* r_dot_z) = 0;
@@ -43,7 +43,7 @@ class DoubleSweeps final : public LinearSweeps<W> {
     DoubleSweeps(const SpringGraph& graph, Preconditioner<W>& preconditioner);
 
     void set_system(const double* form) override { form_ = form; }
-    void begin(const double* b, double* r_dot_z, double* r_squared) override;
+    void begin(const double* b, double* r_dot_z, double* r_squared, double* r_largest) override;
     void multiply(double* q_dot_y) override;
     void advance(const double* length, double* r_squared, double* r_largest) override;
     void condition(double* r_dot_z) override;
@@ -66,7 +66,7 @@ class SingleSweeps final : public LinearSweeps<W> {
     SingleSweeps(const SpringGraph& graph, IncompleteCholesky<W>& preconditioner);
 
     void set_system(const double* form) override;
-    void begin(const double* b, double* r_dot_z, double* r_squared) override;
+    void begin(const double* b, double* r_dot_z, double* r_squared, double* r_largest) override;
     void multiply(double* q_dot_y) override;
     void advance(const double* length, double* r_squared, double* r_largest) override;
     void condition(double* r_dot_z) override;

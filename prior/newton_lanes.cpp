@@ -244,7 +244,7 @@ bool NewtonLanes<W>::any_sweeping() const {
 template <int W>
 void NewtonLanes<W>::begin_sweeps() {
     sweeps_->set_system(form_.data());
-    sweeps_->begin(gradient_.data(), r_dot_z_, residual_squared_);
+    sweeps_->begin(gradient_.data(), r_dot_z_, residual_squared_, residual_largest_);
     lap(preconditioning);
     for (int l = 0; l < W; ++l) {
         Lane& lane = lane_[l];

@@ -15,9 +15,6 @@
 namespace toile::prior {
 namespace {
 
-constexpr int max_sweeps = 1000;
-constexpr int max_sweeps_of_last_resort = 200;
-
 double now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -179,9 +176,25 @@ void solve_group(DerivativeLanes<W>& lanes, const Task& task, const int* sample,
 }
 
 template <int W>
-DerivativeLanes<W>& derivative_lanes(std::unique_ptr<DerivativeLanes<W>>& kept, const SpringGraph& graph) {
-    if (!kept)
-        kept = std::make_unique<DerivativeLanes<W>>(graph, std::make_unique<IncompleteCholesky<W>>(graph), max_sweeps);
+DerivativeLanes<W>& fast_lanes(std::unique_ptr<DerivativeLanes<W>>& kept, const SpringGraph& graph) {
+    if (!kept) {
+        auto factor = std::make_unique<IncompleteCholesky<W>>(graph);
+        auto sweeps = std::make_unique<SingleSweeps<W>>(graph, *factor);
+        kept = std::make_unique<DerivativeLanes<W>>(graph, std::move(factor), std::move(sweeps), DerivativeRules{});
+    }
+    return *kept;
+}
+
+/// In double precision, with the complete factor: for systems that are stiff, or not positive definite.
+DerivativeLanes<1>& last_resort(std::unique_ptr<DerivativeLanes<1>>& kept, const SpringGraph& graph) {
+    if (!kept) {
+        auto factor = std::make_unique<CompleteCholesky>(graph);
+        auto sweeps = std::make_unique<DoubleSweeps<1>>(graph, *factor);
+        DerivativeRules rules;
+        rules.reduction = 1e-12;
+        rules.complete_factor = true;
+        kept = std::make_unique<DerivativeLanes<1>>(graph, std::move(factor), std::move(sweeps), rules);
+    }
     return *kept;
 }
 
@@ -196,19 +209,16 @@ void solve_batch(const Task& task, int count, Quasistatic::Workspace::Buffers& b
             const int first = group * width, in_group = std::min(width, count - first);
             for (int l = 0; l < in_group; ++l) sample[l] = first + l;
             if (width == 1)
-                solve_group(derivative_lanes<1>(buffers.derivative_one[slot], graph), task, sample, in_group);
+                solve_group(fast_lanes<1>(buffers.derivative_one[slot], graph), task, sample, in_group);
             else
-                solve_group(derivative_lanes<8>(buffers.derivative_eight[slot], graph), task, sample, in_group);
+                solve_group(fast_lanes<8>(buffers.derivative_eight[slot], graph), task, sample, in_group);
         }
     };
     on_threads(std::clamp(groups, 1, buffers.threads), std::cref(work));
     for (int i = 0; i < count; ++i) {
         if (task.report(i).status != Status::accuracy_not_reached) continue;
         const double before = task.report(i).seconds;
-        if (!buffers.derivative_last_resort)
-            buffers.derivative_last_resort = std::make_unique<DerivativeLanes<1>>(
-                graph, std::make_unique<CompleteCholesky>(graph), max_sweeps_of_last_resort);
-        solve_group(*buffers.derivative_last_resort, task, &i, 1);
+        solve_group(last_resort(buffers.derivative_last_resort, graph), task, &i, 1);
         task.report(i).seconds += before;
     }
 }

@@ -30,12 +30,12 @@ TOILE_LANE_KERNEL void subtract_lanes(int size, const double* x, const double* y
 }
 
 template <int W>
-TOILE_LANE_KERNEL void restart_lanes(int size, const double* a, const double* b, double* x, double* r) {
-    const Lane<W> zero = lane_broadcast<W>(0.0);
-    const LaneMask<W> chosen = lane_less(zero, load_lanes<W>(a));
+TOILE_LANE_KERNEL void add_lanes(int size, const double* a, const double* x, double* y) {
+    const Lane<W> zero = lane_broadcast<W>(0.0), factor = load_lanes<W>(a);
+    const LaneMask<W> used = lane_less(zero, lane_abs(factor));
     for (int i = 0; i < size; ++i) {
-        store_lanes<W>(x + W * i, lane_select(chosen, zero, load_lanes<W>(x + W * i)));
-        store_lanes<W>(r + W * i, lane_select(chosen, load_lanes<W>(b + W * i), load_lanes<W>(r + W * i)));
+        const Lane<W> change = lane_select(used, factor * load_lanes<W>(x + W * i), zero);
+        store_lanes<W>(y + W * i, load_lanes<W>(y + W * i) + change);
     }
 }
 
@@ -87,7 +87,7 @@ TOILE_LANE_KERNEL void step_lanes(int size, const double* s, const double* x, co
     template void largest_in_lanes<W>(int, const double*, double*);                                             \
     template void scale_lanes<W>(int, const double*, double*);                                                  \
     template void subtract_lanes<W>(int, const double*, const double*, double*);                                \
-    template void restart_lanes<W>(int, const double*, const double*, double*, double*);                        \
+    template void add_lanes<W>(int, const double*, const double*, double*);                                     \
     template void advance_lanes<W>(int, const double*, const double*, const double*, double*, double*, double*, \
                                    double*);                                                                    \
     template void turn_lanes<W>(int, const double*, const double*, double*);                                    \

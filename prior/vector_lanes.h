@@ -15,9 +15,9 @@ void scale_lanes(int size, const double* a, double* x);
 /// z = x − y.
 template <int W>
 void subtract_lanes(int size, const double* x, const double* y, double* z);
-/// Where a > 0: x = 0 and r = b.
+/// y += a x; y stays as it is where a = 0, whatever x.
 template <int W>
-void restart_lanes(int size, const double* a, const double* b, double* x, double* r);
+void add_lanes(int size, const double* a, const double* x, double* y);
 /// x += a p, r −= a y; gives r·r and the largest |r|.
 template <int W>
 void advance_lanes(int size, const double* a, const double* p, const double* y, double* x, double* r, double* r_squared,
