@@ -198,7 +198,7 @@ TOILE_LANE_KERNEL void solve_backward(const SpringGraph& graph, const SingleLane
     for (int i = graph.vertex_count - 1; i >= 0; --i) {
         const FloatVector<W> x = pivot_times<W>(pivot + 6 * i, load_float_vector<W>(u + 3 * i));
         sum += store_solution<W>(r, z, i, x);
-        for (int e = graph.row_first[i]; e < graph.row_first[i + 1]; ++e) {
+        for (int e = graph.row_first[i + 1] - 1; e >= graph.row_first[i]; --e) {
             SingleLanes<W>* out = u + 3 * entry[e].column;
             const SingleLanes<W>* l = lower + 9 * e;
             FloatVector<W> s = load_float_vector<W>(out);
