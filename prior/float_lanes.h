@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "cloth/lane.h"
 
 namespace toile::prior {
@@ -56,6 +58,7 @@ template <int W>
         return __builtin_convertvector(x, Lane8);
 }
 
+using Words8 = std::uint32_t __attribute__((vector_size(32)));
 /// A vector in space in each lane, in single precision.
 template <int W>
 struct FloatVector {
@@ -81,6 +84,44 @@ template <int W>
 template <int W>
 [[gnu::always_inline]] inline Floats<W> dot(const FloatVector<W>& a, const FloatVector<W>& b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/// A block of nine numbers, row by row. Of eight lanes it is kept with eight bits of precision, in five words: of all
+/// but the last, the upper half of one number and that of the next. Of one lane, which is bound by arithmetic, as it
+/// is.
+template <int W>
+struct FloatBlock {
+    Floats<W> entry[9];
+};
+template <int W>
+inline constexpr int packed_size = W == 1 ? 9 : 5;
+
+template <int W>
+[[gnu::always_inline]] inline FloatBlock<W> unpack_block(const SingleLanes<W>* p) {
+    FloatBlock<W> block;
+    if constexpr (W == 1) {
+        for (int k = 0; k < 9; ++k) block.entry[k] = load_floats<W>(p + k);
+    } else {
+        for (int k = 0; k < 5; ++k) {
+            const Words8 word = reinterpret_cast<Words8>(load_floats<W>(p + k));
+            block.entry[2 * k] = reinterpret_cast<Floats8>(word & 0xffff0000u);
+            if (k < 4) block.entry[2 * k + 1] = reinterpret_cast<Floats8>(word << 16);
+        }
+    }
+    return block;
+}
+/// Rounds to nearest.
+template <int W>
+[[gnu::always_inline]] inline void pack_block(SingleLanes<W>* p, const FloatBlock<W>& block) {
+    if constexpr (W == 1) {
+        for (int k = 0; k < 9; ++k) store_floats<W>(p + k, block.entry[k]);
+    } else {
+        for (int k = 0; k < 5; ++k) {
+            Words8 word = (reinterpret_cast<Words8>(block.entry[2 * k]) + 0x8000u) & 0xffff0000u;
+            if (k < 4) word |= (reinterpret_cast<Words8>(block.entry[2 * k + 1]) + 0x8000u) >> 16;
+            store_floats<W>(p + k, reinterpret_cast<Floats8>(word));
+        }
+    }
 }
 
 }  // namespace toile::prior

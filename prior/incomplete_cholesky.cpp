@@ -95,26 +95,26 @@ template <int W>
                           {-n.z * n.x, -n.z * n.y, -t - n.z * n.z}};
     for (int u = update_begin; u < one.update_end; ++u) {
         const double* left = task.row + 9 * W * task.graph.update[u].left;
-        const auto* right = task.lower + 9 * task.graph.update[u].right;
+        const FloatBlock<W> right = unpack_block<W>(task.lower + packed_size<W> * task.graph.update[u].right);
         LaneVector<W> l[3], r[3];
         for (int k = 0; k < 3; ++k) {
             l[k] = load_vector<W>(left + 3 * W * k);
-            r[k] = {widen<W>(load_floats<W>(right + 3 * k)), widen<W>(load_floats<W>(right + 3 * k + 1)),
-                    widen<W>(load_floats<W>(right + 3 * k + 2))};
+            r[k] = {widen<W>(right.entry[3 * k]), widen<W>(right.entry[3 * k + 1]), widen<W>(right.entry[3 * k + 2])};
         }
         for (int k = 0; k < 3; ++k)
             b[k] = {b[k].x - dot<W>(l[k], r[0]), b[k].y - dot<W>(l[k], r[1]), b[k].z - dot<W>(l[k], r[2])};
     }
     const SymmetricBlock<W> d = load_block<W>(task.inverse + 6 * W * one.column);
     LaneVector<W> s[3];
+    FloatBlock<W> lower;
     for (int k = 0; k < 3; ++k) {
-        auto* out = task.lower + 9 * e + 3 * k;
-        store_floats<W>(out, narrow<W>(b[k].x));
-        store_floats<W>(out + 1, narrow<W>(b[k].y));
-        store_floats<W>(out + 2, narrow<W>(b[k].z));
+        lower.entry[3 * k] = narrow<W>(b[k].x);
+        lower.entry[3 * k + 1] = narrow<W>(b[k].y);
+        lower.entry[3 * k + 2] = narrow<W>(b[k].z);
         s[k] = times<W>(d, b[k]);
         store_vector<W>(scaled + 3 * W * k, s[k]);
     }
+    pack_block<W>(task.lower + packed_size<W> * e, lower);
     pivot.xx -= dot<W>(s[0], b[0]);
     pivot.yx -= dot<W>(s[1], b[0]);
     pivot.yy -= dot<W>(s[1], b[1]);
@@ -179,10 +179,10 @@ TOILE_LANE_KERNEL void solve_forward(const SpringGraph& graph, const SingleLanes
         FloatVector<W> s = load_right_side<W>(r, i);
         for (int e = graph.row_first[i]; e < graph.row_first[i + 1]; ++e) {
             const FloatVector<W> y = load_float_vector<W>(w + 3 * entry[e].column);
-            const SingleLanes<W>* l = lower + 9 * e;
-            s.x -= load_floats<W>(l) * y.x + load_floats<W>(l + 1) * y.y + load_floats<W>(l + 2) * y.z;
-            s.y -= load_floats<W>(l + 3) * y.x + load_floats<W>(l + 4) * y.y + load_floats<W>(l + 5) * y.z;
-            s.z -= load_floats<W>(l + 6) * y.x + load_floats<W>(l + 7) * y.y + load_floats<W>(l + 8) * y.z;
+            const FloatBlock<W> l = unpack_block<W>(lower + packed_size<W> * e);
+            s.x -= l.entry[0] * y.x + l.entry[1] * y.y + l.entry[2] * y.z;
+            s.y -= l.entry[3] * y.x + l.entry[4] * y.y + l.entry[5] * y.z;
+            s.z -= l.entry[6] * y.x + l.entry[7] * y.y + l.entry[8] * y.z;
         }
         store_float_vector<W>(u + 3 * i, s);
         store_float_vector<W>(w + 3 * i, pivot_times<W>(pivot + 6 * i, s));
@@ -200,11 +200,11 @@ TOILE_LANE_KERNEL void solve_backward(const SpringGraph& graph, const SingleLane
         sum += store_solution<W>(r, z, i, x);
         for (int e = graph.row_first[i + 1] - 1; e >= graph.row_first[i]; --e) {
             SingleLanes<W>* out = u + 3 * entry[e].column;
-            const SingleLanes<W>* l = lower + 9 * e;
+            const FloatBlock<W> l = unpack_block<W>(lower + packed_size<W> * e);
             FloatVector<W> s = load_float_vector<W>(out);
-            s.x -= load_floats<W>(l) * x.x + load_floats<W>(l + 3) * x.y + load_floats<W>(l + 6) * x.z;
-            s.y -= load_floats<W>(l + 1) * x.x + load_floats<W>(l + 4) * x.y + load_floats<W>(l + 7) * x.z;
-            s.z -= load_floats<W>(l + 2) * x.x + load_floats<W>(l + 5) * x.y + load_floats<W>(l + 8) * x.z;
+            s.x -= l.entry[0] * x.x + l.entry[3] * x.y + l.entry[6] * x.z;
+            s.y -= l.entry[1] * x.x + l.entry[4] * x.y + l.entry[7] * x.z;
+            s.z -= l.entry[2] * x.x + l.entry[5] * x.y + l.entry[8] * x.z;
             store_float_vector<W>(out, s);
         }
     }
@@ -216,7 +216,7 @@ TOILE_LANE_KERNEL void solve_backward(const SpringGraph& graph, const SingleLane
 template <int W>
 IncompleteCholesky<W>::IncompleteCholesky(const SpringGraph& graph)
     : graph_(graph),
-      lower_(9 * graph.spring.size()),
+      lower_(packed_size<W> * graph.spring.size()),
       inverse_(6 * W * static_cast<size_t>(graph.vertex_count)),
       pivot_(6 * static_cast<size_t>(graph.vertex_count)),
       row_(9 * W * static_cast<size_t>(std::max(graph.widest_row, 1))),

@@ -11,8 +11,8 @@ namespace toile::prior {
 
 /// Incomplete Cholesky factor, without fill, of W Hessians on a spring graph (cloth/lane.h), in blocks of 3x3: the
 /// preconditioner of the quasistatic prior. (L + D) D⁻¹ (L + D)ᵀ with L below the diagonal; the solve is bound by
-/// memory, and is done in single precision. Positive definite always: where a pivot is lost, the matrix' own
-/// diagonal block takes its place.
+/// memory: L is kept with eight bits of precision, and the rest is done in single. Positive definite always: where a
+/// pivot is lost, the matrix' own diagonal block takes its place.
 template <int W>
 class IncompleteCholesky final : public Preconditioner<W> {
   public:
@@ -27,7 +27,7 @@ class IncompleteCholesky final : public Preconditioner<W> {
 
   private:
     const SpringGraph& graph_;
-    std::vector<SingleLanes<W>> lower_;  // [S][9], rows of L
+    std::vector<SingleLanes<W>> lower_;  // [S][packed], rows of L
     LaneArray inverse_;                  // [V][6][W], D⁻¹
     std::vector<SingleLanes<W>> pivot_;  // [V][6], D⁻¹ again
     LaneArray row_;                      // [widest row][9][W], L D⁻¹ of the row at work

@@ -126,7 +126,8 @@ TEST(SpringGraph, PreconditionersComeNearTheInverse) {
     const Eigen::VectorXd near = apply<1>(incomplete, s, 0.0, r);
     EXPECT_LT((near - exact).norm(), 0.5 * exact.norm());
     IncompleteCholesky<8> eight(s.graph);
-    EXPECT_LT((apply<8>(eight, s, 0.0, r) - near).norm(), 1e-3 * exact.norm());
+    // Eight lanes keep eight bits of the factor.
+    EXPECT_LT((apply<8>(eight, s, 0.0, r) - near).norm(), 0.03 * near.norm());
     BlockJacobi jacobi(s.graph);
     EXPECT_GT(r.dot(apply<1>(jacobi, s, 0.0, r)), 0.0);
 }
