@@ -20,17 +20,11 @@ bool all_finite(const double* x, int size) {
 }  // namespace
 
 template <int W>
-DerivativeLanes<W>::DerivativeLanes(const SpringGraph& graph, std::unique_ptr<Preconditioner<W>> preconditioner,
-                                    std::unique_ptr<LinearSweeps<W>> sweeps, const DerivativeRules& rules)
-    : graph_(graph),
-      preconditioner_(std::move(preconditioner)),
-      sweeps_(std::move(sweeps)),
-      rules_(rules),
-      size_(3 * graph.vertex_count) {
+DerivativeLanes<W>::DerivativeLanes(const SpringGraph& graph, std::unique_ptr<LinearSweeps<W>> sweeps,
+                                    const DerivativeRules& rules)
+    : graph_(graph), sweeps_(std::move(sweeps)), rules_(rules), size_(3 * graph.vertex_count) {
     for (LaneArray* vector : {&predicted_, &position_, &right_side_, &solution_, &residual_, &correction_, &product_})
         *vector = LaneArray(static_cast<size_t>(size_) * W);
-    form_ = LaneArray(4 * W * graph.spring.size());
-    diagonal_ = LaneArray(2 * W * static_cast<size_t>(size_));
 }
 
 template <int W>
@@ -76,9 +70,8 @@ bool DerivativeLanes<W>::set_right_side(int lane, const double* from) {
 
 template <int W>
 void DerivativeLanes<W>::build() {
-    linearize_springs<W>(graph_, position_.data(), exact_, form_.data());
-    spring_diagonal<W>(graph_, form_.data(), exact_factor_, diagonal_.data());
-    preconditioner_->factor(form_.data(), diagonal_.data(), exact_factor_, lost_pivot_);
+    sweeps_->linearize(position_.data(), exact_, exact_factor_);
+    sweeps_->factor(exact_factor_, lost_pivot_);
 }
 
 template <int W>
@@ -146,7 +139,7 @@ void DerivativeLanes<W>::sweep() {
 /// Residuals of the solution as it stands, in double precision.
 template <int W>
 void DerivativeLanes<W>::measure() {
-    multiply_springs<W>(graph_, form_.data(), solution_.data(), product_.data(), curvature_, squared_);
+    multiply_hessian<W>(graph_, position_.data(), exact_, solution_.data(), product_.data());
     subtract_lanes<W>(size_, right_side_.data(), product_.data(), residual_.data());
     largest_in_lanes<W>(size_, residual_.data(), largest_);
 }
@@ -155,7 +148,6 @@ template <int W>
 void DerivativeLanes<W>::solve() {
     normalize();
     given_up_.fill(false);
-    sweeps_->set_system(form_.data());
     std::fill_n(solution_.data(), solution_.size(), 0.0);
     std::copy_n(right_side_.data(), right_side_.size(), residual_.data());
     std::fill_n(largest_, W, 1.0);

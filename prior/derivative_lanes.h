@@ -5,7 +5,6 @@
 
 #include "cloth/lane_array.h"
 #include "prior/linear_sweeps.h"
-#include "prior/preconditioner.h"
 #include "prior/report.h"
 #include "prior/spring_graph.h"
 
@@ -22,8 +21,7 @@ struct DerivativeRules {
 template <int W>
 class DerivativeLanes {
   public:
-    DerivativeLanes(const SpringGraph& graph, std::unique_ptr<Preconditioner<W>> preconditioner,
-                    std::unique_ptr<LinearSweeps<W>> sweeps, const DerivativeRules& rules);
+    DerivativeLanes(const SpringGraph& graph, std::unique_ptr<LinearSweeps<W>> sweeps, const DerivativeRules& rules);
 
     /// Empties all lanes.
     void clear();
@@ -55,11 +53,10 @@ class DerivativeLanes {
     void write_reports();
 
     const SpringGraph& graph_;
-    std::unique_ptr<Preconditioner<W>> preconditioner_;
     std::unique_ptr<LinearSweeps<W>> sweeps_;
     DerivativeRules rules_;
     int size_;
-    LaneArray predicted_, position_, right_side_, solution_, residual_, correction_, product_, form_, diagonal_;
+    LaneArray predicted_, position_, right_side_, solution_, residual_, correction_, product_;
     alignas(64) double exact_[W], exact_factor_[W], lost_pivot_[W], length_[W], turn_[W], curvature_[W], squared_[W],
         largest_[W], sweep_largest_[W], r_dot_z_[W], r_dot_z_next_[W], size_of_right_side_[W];
     std::array<bool, W> loaded_{}, used_{}, sweeping_{}, given_up_{}, indefinite_{};

@@ -68,9 +68,21 @@ template <int W>
 }
 
 template <int W>
+[[gnu::always_inline]] inline LaneVector<W> load_form(const double* form, int s, Lane<W>& across) {
+    across = load_lanes<W>(form + 4 * W * s + 3 * W);
+    return load_vector<W>(form + 4 * W * s);
+}
+template <int W>
+[[gnu::always_inline]] inline LaneVector<W> load_form(const SingleLanes<W>* form, int s, Lane<W>& across) {
+    const FloatVector<W> m = load_float_vector<W>(form + 4 * s);
+    across = widen<W>(load_floats<W>(form + 4 * s + 3));
+    return {widen<W>(m.x), widen<W>(m.y), widen<W>(m.z)};
+}
+
+template <int W, class Number>
 struct FactorTask {
     const SpringGraph& graph;
-    const double* form;
+    const Number* form;
     const double* diagonal;
     const double* exact;
     SingleLanes<W>* lower;
@@ -81,14 +93,15 @@ struct FactorTask {
 
 /// One entry (i, j) of row i: subtracts the updates of the common columns, keeps L_ij and L_ij D_j⁻¹, and takes L_ij
 /// D_j⁻¹ L_ijᵀ off the pivot.
-template <int W>
-[[gnu::always_inline]] inline void factor_entry(const FactorTask<W>& task, int e, int update_begin, double* scaled,
-                                                const LaneMask<W>& keep_exact, SymmetricBlock<W>& pivot) {
+template <int W, class Number>
+[[gnu::always_inline]] inline void factor_entry(const FactorTask<W, Number>& task, int e, int update_begin,
+                                                double* scaled, const LaneMask<W>& keep_exact,
+                                                SymmetricBlock<W>& pivot) {
     const SpringGraph::Entry& one = task.graph.entry[e];
-    const double* m = task.form + 4 * W * one.spring;
-    const LaneVector<W> n = load_vector<W>(m);
+    Lane<W> across;
+    const LaneVector<W> n = load_form<W>(task.form, one.spring, across);
     const double axial = task.graph.spring[one.spring].axial;
-    const Lane<W> across = load_lanes<W>(m + 3 * W) - axial;
+    across -= axial;
     const Lane<W> t = lane_select(keep_exact, across, lane_max(across, lane_broadcast<W>(0.0))) + axial;
     LaneVector<W> b[3] = {{-t - n.x * n.x, -n.x * n.y, -n.x * n.z},
                           {-n.y * n.x, -t - n.y * n.y, -n.y * n.z},
@@ -123,8 +136,8 @@ template <int W>
     pivot.zz -= dot<W>(s[2], b[2]);
 }
 
-template <int W>
-TOILE_LANE_KERNEL void factor_rows(const FactorTask<W>& task, double* lost_pivot) {
+template <int W, class Number>
+TOILE_LANE_KERNEL void factor_rows(const FactorTask<W, Number>& task, double* lost_pivot) {
     const Lane<W> zero = lane_broadcast<W>(0.0), one = lane_broadcast<W>(1.0);
     const LaneMask<W> keep_exact = lane_less(zero, load_lanes<W>(task.exact));
     Lane<W> lost = zero;
@@ -134,7 +147,7 @@ TOILE_LANE_KERNEL void factor_rows(const FactorTask<W>& task, double* lost_pivot
         SymmetricBlock<W> pivot = own, inverse;
         double* scaled = task.row;
         for (int e = task.graph.row_first[i]; e < task.graph.row_first[i + 1]; ++e, scaled += 9 * W) {
-            factor_entry<W>(task, e, update, scaled, keep_exact, pivot);
+            factor_entry<W, Number>(task, e, update, scaled, keep_exact, pivot);
             update = task.graph.entry[e].update_end;
         }
         lost += lane_select(invert_pivot<W>(pivot, own, inverse), zero, one);
@@ -226,8 +239,15 @@ IncompleteCholesky<W>::IncompleteCholesky(const SpringGraph& graph)
 template <int W>
 void IncompleteCholesky<W>::factor(const double* form, const double* diagonal, const double* exact,
                                    double* lost_pivot) {
-    factor_rows<W>({graph_, form, diagonal, exact, lower_.data(), inverse_.data(), pivot_.data(), row_.data()},
-                   lost_pivot);
+    factor_rows<W, double>({graph_, form, diagonal, exact, lower_.data(), inverse_.data(), pivot_.data(), row_.data()},
+                           lost_pivot);
+}
+
+template <int W>
+void IncompleteCholesky<W>::factor_single(const SingleLanes<W>* form, const double* diagonal, const double* exact,
+                                          double* lost_pivot) {
+    factor_rows<W, SingleLanes<W>>(
+        {graph_, form, diagonal, exact, lower_.data(), inverse_.data(), pivot_.data(), row_.data()}, lost_pivot);
 }
 
 template <int W>

@@ -22,7 +22,8 @@ class IncompleteCholesky final : public Preconditioner<W> {
     /// z = (L + D)⁻ᵀ D (L + D)⁻¹ r.
     void solve(const double* r, double* z, double* r_dot_z) override;
 
-    /// The same for vectors in single precision.
+    /// The same for forms and vectors in single precision.
+    void factor_single(const SingleLanes<W>* form, const double* diagonal, const double* exact, double* lost_pivot);
     void solve_single(const SingleLanes<W>* r, SingleLanes<W>* z, double* r_dot_z);
 
   private:

@@ -84,16 +84,30 @@ TOILE_LANE_KERNEL void turn_single(int size, const double* turn, const SingleLan
 }  // namespace
 
 template <int W>
-DoubleSweeps<W>::DoubleSweeps(const SpringGraph& graph, Preconditioner<W>& preconditioner)
-    : graph_(graph), preconditioner_(preconditioner), size_(3 * graph.vertex_count) {
+DoubleSweeps<W>::DoubleSweeps(const SpringGraph& graph, std::unique_ptr<Preconditioner<W>> preconditioner)
+    : graph_(graph),
+      preconditioner_(std::move(preconditioner)),
+      size_(3 * graph.vertex_count),
+      form_(4 * W * graph.spring.size()),
+      diagonal_(6 * W * static_cast<size_t>(graph.vertex_count)) {
     for (LaneArray* vector : {&d_, &r_, &z_, &q_, &y_}) *vector = LaneArray(static_cast<size_t>(size_) * W);
+}
+
+template <int W>
+void DoubleSweeps<W>::linearize(const double* position, const double* exact, const double* exact_factor) {
+    linearize_springs<W>(graph_, position, exact, exact_factor, form_.data(), diagonal_.data());
+}
+
+template <int W>
+void DoubleSweeps<W>::factor(const double* exact_factor, double* lost_pivot) {
+    preconditioner_->factor(form_.data(), diagonal_.data(), exact_factor, lost_pivot);
 }
 
 template <int W>
 void DoubleSweeps<W>::begin(const double* b, double* r_dot_z, double* r_squared, double* r_largest) {
     std::copy_n(b, r_.size(), r_.data());
     std::fill_n(d_.data(), d_.size(), 0.0);
-    preconditioner_.solve(r_.data(), z_.data(), r_dot_z);
+    preconditioner_->solve(r_.data(), z_.data(), r_dot_z);
     std::copy_n(z_.data(), z_.size(), q_.data());
     dot_lanes<W>(size_, r_.data(), r_.data(), r_squared);
     largest_in_lanes<W>(size_, b, r_largest);
@@ -102,7 +116,7 @@ void DoubleSweeps<W>::begin(const double* b, double* r_dot_z, double* r_squared,
 template <int W>
 void DoubleSweeps<W>::multiply(double* q_dot_y) {
     alignas(64) double q_squared[W];
-    multiply_springs<W>(graph_, form_, q_.data(), y_.data(), q_dot_y, q_squared);
+    multiply_springs<W>(graph_, form_.data(), q_.data(), y_.data(), q_dot_y, q_squared);
 }
 
 template <int W>
@@ -112,7 +126,7 @@ void DoubleSweeps<W>::advance(const double* length, double* r_squared, double* r
 
 template <int W>
 void DoubleSweeps<W>::condition(double* r_dot_z) {
-    preconditioner_.solve(r_.data(), z_.data(), r_dot_z);
+    preconditioner_->solve(r_.data(), z_.data(), r_dot_z);
 }
 
 template <int W>
@@ -126,16 +140,23 @@ void DoubleSweeps<W>::read(double* d) const {
 }
 
 template <int W>
-SingleSweeps<W>::SingleSweeps(const SpringGraph& graph, IncompleteCholesky<W>& preconditioner)
-    : graph_(graph), preconditioner_(preconditioner), size_(3 * graph.vertex_count), form_(4 * graph.spring.size()) {
+SingleSweeps<W>::SingleSweeps(const SpringGraph& graph)
+    : graph_(graph),
+      preconditioner_(graph),
+      size_(3 * graph.vertex_count),
+      diagonal_(6 * W * static_cast<size_t>(graph.vertex_count)),
+      form_(4 * graph.spring.size()) {
     for (std::vector<SingleLanes<W>>* vector : {&d_, &r_, &z_, &q_, &y_}) vector->resize(static_cast<size_t>(size_));
 }
 
 template <int W>
-void SingleSweeps<W>::set_system(const double* form) {
-    alignas(64) double one[W], unused[W];
-    std::fill_n(one, W, 1.0);
-    narrow_lanes<W>(static_cast<int>(form_.size()), one, form, form_.data(), unused);
+void SingleSweeps<W>::linearize(const double* position, const double* exact, const double* exact_factor) {
+    linearize_springs<W>(graph_, position, exact, exact_factor, form_.data(), diagonal_.data());
+}
+
+template <int W>
+void SingleSweeps<W>::factor(const double* exact_factor, double* lost_pivot) {
+    preconditioner_.factor_single(form_.data(), diagonal_.data(), exact_factor, lost_pivot);
 }
 
 template <int W>

@@ -25,8 +25,10 @@ class LinearSweeps {
   public:
     virtual ~LinearSweeps() = default;
 
-    /// The Hessians (prior/spring_lanes.h). The preconditioner is factored by its owner.
-    virtual void set_system(const double* form) = 0;
+    /// The Hessians at `position`, exact or projected by lane, for H and for what P is made of (prior/spring_lanes.h).
+    virtual void linearize(const double* position, const double* exact, const double* exact_factor) = 0;
+    /// Makes P. Lanes that were not positive definite have `lost_pivot` `[W]` above 0.
+    virtual void factor(const double* exact_factor, double* lost_pivot) = 0;
     virtual void begin(const double* b, double* r_dot_z, double* r_squared, double* r_largest) = 0;
     virtual void multiply(double* q_dot_y) = 0;
     virtual void advance(const double* length, double* r_squared, double* r_largest) = 0;
@@ -36,13 +38,14 @@ class LinearSweeps {
     virtual void read(double* d) const = 0;
 };
 
-/// In double precision, with any preconditioner. `form` must stay where it is.
+/// In double precision, with any preconditioner.
 template <int W>
 class DoubleSweeps final : public LinearSweeps<W> {
   public:
-    DoubleSweeps(const SpringGraph& graph, Preconditioner<W>& preconditioner);
+    DoubleSweeps(const SpringGraph& graph, std::unique_ptr<Preconditioner<W>> preconditioner);
 
-    void set_system(const double* form) override { form_ = form; }
+    void linearize(const double* position, const double* exact, const double* exact_factor) override;
+    void factor(const double* exact_factor, double* lost_pivot) override;
     void begin(const double* b, double* r_dot_z, double* r_squared, double* r_largest) override;
     void multiply(double* q_dot_y) override;
     void advance(const double* length, double* r_squared, double* r_largest) override;
@@ -52,20 +55,20 @@ class DoubleSweeps final : public LinearSweeps<W> {
 
   private:
     const SpringGraph& graph_;
-    Preconditioner<W>& preconditioner_;
+    std::unique_ptr<Preconditioner<W>> preconditioner_;
     int size_;
-    const double* form_ = nullptr;
-    LaneArray d_, r_, z_, q_, y_;
+    LaneArray form_, diagonal_, d_, r_, z_, q_, y_;
 };
 
-/// In single precision, for half the memory traffic: good to about 1e-5 of b, which is scaled to a largest entry of
-/// one.
+/// In single precision, with the incomplete factor, for half the memory traffic: good to about 1e-5 of b, which is
+/// scaled to a largest entry of one.
 template <int W>
 class SingleSweeps final : public LinearSweeps<W> {
   public:
-    SingleSweeps(const SpringGraph& graph, IncompleteCholesky<W>& preconditioner);
+    explicit SingleSweeps(const SpringGraph& graph);
 
-    void set_system(const double* form) override;
+    void linearize(const double* position, const double* exact, const double* exact_factor) override;
+    void factor(const double* exact_factor, double* lost_pivot) override;
     void begin(const double* b, double* r_dot_z, double* r_squared, double* r_largest) override;
     void multiply(double* q_dot_y) override;
     void advance(const double* length, double* r_squared, double* r_largest) override;
@@ -75,9 +78,10 @@ class SingleSweeps final : public LinearSweeps<W> {
 
   private:
     const SpringGraph& graph_;
-    IncompleteCholesky<W>& preconditioner_;
+    IncompleteCholesky<W> preconditioner_;
     int size_;
     alignas(64) double scale_[W];
+    LaneArray diagonal_;
     std::vector<SingleLanes<W>> form_, d_, r_, z_, q_, y_;
 };
 

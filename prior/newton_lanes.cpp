@@ -53,19 +53,16 @@ struct NewtonLanes<W>::Lane {
 };
 
 template <int W>
-NewtonLanes<W>::NewtonLanes(const SpringGraph& graph, const NewtonRules& rules,
-                            std::unique_ptr<Preconditioner<W>> preconditioner, std::unique_ptr<LinearSweeps<W>> sweeps)
+NewtonLanes<W>::NewtonLanes(const SpringGraph& graph, const NewtonRules& rules, std::unique_ptr<LinearSweeps<W>> sweeps)
     : graph_(graph),
       rules_(rules),
-      preconditioner_(std::move(preconditioner)),
       sweeps_(std::move(sweeps)),
       size_(3 * graph.vertex_count),
       lane_(std::make_unique<Lane[]>(W)) {
     for (LaneArray* vector : {&predicted_, &position_, &trial_, &gradient_, &trial_gradient_, &direction_})
         *vector = LaneArray(static_cast<size_t>(size_) * W);
-    form_ = LaneArray(4 * W * graph.spring.size());
-    diagonal_ = LaneArray(2 * W * static_cast<size_t>(size_));
-    std::fill_n(exact_, W, 0.0);
+    std::fill_n(exact_, W, rules.exact_hessian ? 1.0 : 0.0);
+    std::fill_n(exact_factor_, W, 0.0);
     std::fill_n(origin_, 3 * W, 0.0);
 }
 
@@ -226,12 +223,9 @@ bool NewtonLanes<W>::is_flat(int l) const {
 
 template <int W>
 void NewtonLanes<W>::build_hessian() {
-    std::fill_n(exact_, W, rules_.exact_hessian ? 1.0 : 0.0);
-    linearize_springs<W>(graph_, position_.data(), exact_, form_.data());
-    std::fill_n(exact_, W, 0.0);
-    spring_diagonal<W>(graph_, form_.data(), exact_, diagonal_.data());
+    sweeps_->linearize(position_.data(), exact_, exact_factor_);
     lap(assembly);
-    preconditioner_->factor(form_.data(), diagonal_.data(), exact_, lost_pivot_);
+    sweeps_->factor(exact_factor_, lost_pivot_);
     lap(factor);
 }
 
@@ -243,7 +237,6 @@ bool NewtonLanes<W>::any_sweeping() const {
 /// r = g, d = 0, q = z = P r; and how far each lane wants to go.
 template <int W>
 void NewtonLanes<W>::begin_sweeps() {
-    sweeps_->set_system(form_.data());
     sweeps_->begin(gradient_.data(), r_dot_z_, residual_squared_, residual_largest_);
     lap(preconditioning);
     for (int l = 0; l < W; ++l) {

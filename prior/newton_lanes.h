@@ -5,7 +5,6 @@
 
 #include "cloth/lane_array.h"
 #include "prior/linear_sweeps.h"
-#include "prior/preconditioner.h"
 #include "prior/quasistatic.h"
 #include "prior/spring_graph.h"
 #include "prior/spring_lanes.h"
@@ -37,8 +36,7 @@ struct QuasistaticSample {
 template <int W>
 class NewtonLanes {
   public:
-    NewtonLanes(const SpringGraph& graph, const NewtonRules& rules, std::unique_ptr<Preconditioner<W>> preconditioner,
-                std::unique_ptr<LinearSweeps<W>> sweeps);
+    NewtonLanes(const SpringGraph& graph, const NewtonRules& rules, std::unique_ptr<LinearSweeps<W>> sweeps);
     ~NewtonLanes();
 
     /// Works off samples: `take` gives the next and returns its number, or -1 when there are none. `give_up(number)` is
@@ -66,14 +64,13 @@ class NewtonLanes {
 
     const SpringGraph& graph_;
     NewtonRules rules_;
-    std::unique_ptr<Preconditioner<W>> preconditioner_;
     std::unique_ptr<LinearSweeps<W>> sweeps_;
     int size_;  // 3V
     const std::function<void(int)>* give_up_ = nullptr;
     LaneArray predicted_, position_, trial_, gradient_, trial_gradient_, direction_, residual_, conditioned_, search_,
         product_, form_, diagonal_;
     SpringValue<W> value_, trial_value_;
-    alignas(64) double exact_[W], lost_pivot_[W], origin_[3 * W], length_[W], turn_[W], curvature_[W],
+    alignas(64) double exact_[W], exact_factor_[W], lost_pivot_[W], origin_[3 * W], length_[W], turn_[W], curvature_[W],
         residual_squared_[W], residual_largest_[W], r_dot_z_[W], r_dot_z_next_[W], slope_[W];
     std::unique_ptr<Lane[]> lane_;
     int active_ = 0;

@@ -155,10 +155,8 @@ namespace {
 template <int W>
 NewtonLanes<W>& fast_solver(std::unique_ptr<NewtonLanes<W>>& kept, const Quasistatic::Impl& prior) {
     if (!kept) {
-        auto factor = std::make_unique<IncompleteCholesky<W>>(prior.graph);
-        auto sweeps = std::make_unique<SingleSweeps<W>>(prior.graph, *factor);
-        kept = std::make_unique<NewtonLanes<W>>(prior.graph, rules_of(prior.options), std::move(factor),
-                                                std::move(sweeps));
+        auto sweeps = std::make_unique<SingleSweeps<W>>(prior.graph);
+        kept = std::make_unique<NewtonLanes<W>>(prior.graph, rules_of(prior.options), std::move(sweeps));
     }
     return *kept;
 }
@@ -167,9 +165,8 @@ template <class Factor>
 NewtonLanes<1>& double_solver(std::unique_ptr<NewtonLanes<1>>& kept, const Quasistatic::Impl& prior,
                               const NewtonRules& rules) {
     if (!kept) {
-        auto factor = std::make_unique<Factor>(prior.graph);
-        auto sweeps = std::make_unique<DoubleSweeps<1>>(prior.graph, *factor);
-        kept = std::make_unique<NewtonLanes<1>>(prior.graph, rules, std::move(factor), std::move(sweeps));
+        auto sweeps = std::make_unique<DoubleSweeps<1>>(prior.graph, std::make_unique<Factor>(prior.graph));
+        kept = std::make_unique<NewtonLanes<1>>(prior.graph, rules, std::move(sweeps));
     }
     return *kept;
 }

@@ -178,9 +178,8 @@ void solve_group(DerivativeLanes<W>& lanes, const Task& task, const int* sample,
 template <int W>
 DerivativeLanes<W>& fast_lanes(std::unique_ptr<DerivativeLanes<W>>& kept, const SpringGraph& graph) {
     if (!kept) {
-        auto factor = std::make_unique<IncompleteCholesky<W>>(graph);
-        auto sweeps = std::make_unique<SingleSweeps<W>>(graph, *factor);
-        kept = std::make_unique<DerivativeLanes<W>>(graph, std::move(factor), std::move(sweeps), DerivativeRules{});
+        auto sweeps = std::make_unique<SingleSweeps<W>>(graph);
+        kept = std::make_unique<DerivativeLanes<W>>(graph, std::move(sweeps), DerivativeRules{});
     }
     return *kept;
 }
@@ -188,12 +187,11 @@ DerivativeLanes<W>& fast_lanes(std::unique_ptr<DerivativeLanes<W>>& kept, const 
 /// In double precision, with the complete factor: for systems that are stiff, or not positive definite.
 DerivativeLanes<1>& last_resort(std::unique_ptr<DerivativeLanes<1>>& kept, const SpringGraph& graph) {
     if (!kept) {
-        auto factor = std::make_unique<CompleteCholesky>(graph);
-        auto sweeps = std::make_unique<DoubleSweeps<1>>(graph, *factor);
+        auto sweeps = std::make_unique<DoubleSweeps<1>>(graph, std::make_unique<CompleteCholesky>(graph));
         DerivativeRules rules;
         rules.reduction = 1e-12;
         rules.complete_factor = true;
-        kept = std::make_unique<DerivativeLanes<1>>(graph, std::move(factor), std::move(sweeps), rules);
+        kept = std::make_unique<DerivativeLanes<1>>(graph, std::move(sweeps), rules);
     }
     return *kept;
 }

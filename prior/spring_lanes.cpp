@@ -1,5 +1,6 @@
 #include "prior/spring_lanes.h"
 
+#include "prior/float_lanes.h"
 #include "prior/lane_vector.h"
 
 namespace toile::prior {
@@ -61,53 +62,95 @@ TOILE_LANE_KERNEL void evaluate_springs(const SpringGraph& graph, const double* 
     store_lanes<W>(value.lost, lost);
 }
 
+namespace {
+
+/// A spring's Hessian is (across + axial) I + m mᵀ; of a spring without length, nothing is known but its stiffness.
 template <int W>
+struct LinearSpring {
+    LaneVector<W> m;
+    Lane<W> across;
+};
+template <int W>
+[[gnu::always_inline]] inline LinearSpring<W> linearize(const SpringGraph::Spring& spring, const LaneVector<W>& d) {
+    const Lane<W> inverse = inverse_length<W>(lane_sqrt(dot<W>(d, d)));
+    const Lane<W> force = (spring.stiffness * spring.rest_length) * inverse;
+    const Lane<W> scale = lane_sqrt(force) * inverse;
+    return {{scale * d.x, scale * d.y, scale * d.z}, spring.stiffness - force};
+}
+
+template <int W>
+[[gnu::always_inline]] inline void store_form(double* p, const LinearSpring<W>& one) {
+    store_vector<W>(p, one.m);
+    store_lanes<W>(p + 3 * W, one.across);
+}
+template <int W>
+[[gnu::always_inline]] inline void store_form(SingleLanes<W>* p, const LinearSpring<W>& one) {
+    store_floats<W>(p, narrow<W>(one.m.x));
+    store_floats<W>(p + 1, narrow<W>(one.m.y));
+    store_floats<W>(p + 2, narrow<W>(one.m.z));
+    store_floats<W>(p + 3, narrow<W>(one.across));
+}
+constexpr int entry_size(const double*, int width) {
+    return 4 * width;
+}
+template <int W>
+constexpr int entry_size(const SingleLanes<W>*, int) {
+    return 4;
+}
+
+}  // namespace
+
+template <int W, class Number>
 TOILE_LANE_KERNEL void linearize_springs(const SpringGraph& graph, const double* position, const double* exact,
-                                         double* form) {
+                                         const double* exact_diagonal, Number* form, double* diagonal) {
     const SpringGraph::Spring* spring = graph.spring.data();
     const Lane<W> zero = lane_broadcast<W>(0.0);
-    const auto keep_exact = lane_less(zero, load_lanes<W>(exact));
+    const LaneMask<W> keep = lane_less(zero, load_lanes<W>(exact));
+    const LaneMask<W> keep_diagonal = lane_less(zero, load_lanes<W>(exact_diagonal));
+    for (int i = 0; i < 6 * graph.vertex_count; ++i) store_lanes<W>(diagonal + W * i, zero);
     for (int a = 0; a < graph.vertex_count; ++a) {
         const LaneVector<W> x = load_vector<W>(position + 3 * W * a);
+        double* own = diagonal + 6 * W * a;
+        Lane<W> sum[6];
+        for (int k = 0; k < 6; ++k) sum[k] = load_lanes<W>(own + W * k);
+        for (int k : {0, 2, 5}) sum[k] = sum[k] + graph.target[a];
         for (int s = graph.first[a]; s < graph.first[a + 1]; ++s) {
-            const SpringGraph::Spring one = spring[s];
-            const LaneVector<W> end = load_vector<W>(position + 3 * W * one.other);
-            const LaneVector<W> d{x.x - end.x, x.y - end.y, x.z - end.z};
-            const Lane<W> length = lane_sqrt(dot<W>(d, d)), inverse = inverse_length<W>(length);
-            // Of a spring without length, nothing is known but its stiffness.
-            const Lane<W> force = (one.stiffness * one.rest_length) * inverse;
-            const Lane<W> scale = lane_sqrt(force) * inverse;
-            const Lane<W> across = one.stiffness - force;
-            double* out = form + 4 * W * s;
-            store_vector<W>(out, {scale * d.x, scale * d.y, scale * d.z});
-            store_lanes<W>(out + 3 * W, lane_select(keep_exact, across, lane_max(across, zero)) + one.axial);
+            const LaneVector<W> end = load_vector<W>(position + 3 * W * spring[s].other);
+            LinearSpring<W> one = linearize<W>(spring[s], {x.x - end.x, x.y - end.y, x.z - end.z});
+            const Lane<W> pushed = lane_max(one.across, zero), axial = lane_broadcast<W>(spring[s].axial);
+            const Lane<W> t = lane_select(keep_diagonal, one.across, pushed) + axial;
+            one.across = lane_select(keep, one.across, pushed) + axial;
+            store_form<W>(form + entry_size(form, W) * s, one);
+            const LaneVector<W>& m = one.m;
+            const Lane<W> block[6] = {t + m.x * m.x, m.y * m.x, t + m.y * m.y, m.z * m.x, m.z * m.y, t + m.z * m.z};
+            double* other = diagonal + 6 * W * spring[s].other;
+            for (int k = 0; k < 6; ++k) {
+                sum[k] = sum[k] + block[k];
+                store_lanes<W>(other + k * W, load_lanes<W>(other + k * W) + block[k]);
+            }
         }
+        for (int k = 0; k < 6; ++k) store_lanes<W>(own + W * k, sum[k]);
     }
 }
 
 template <int W>
-TOILE_LANE_KERNEL void spring_diagonal(const SpringGraph& graph, const double* form, const double* exact,
-                                       double* diagonal) {
+TOILE_LANE_KERNEL void multiply_hessian(const SpringGraph& graph, const double* position, const double* exact,
+                                        const double* x, double* product) {
     const SpringGraph::Spring* spring = graph.spring.data();
     const Lane<W> zero = lane_broadcast<W>(0.0);
-    const auto keep_exact = lane_less(zero, load_lanes<W>(exact));
+    const LaneMask<W> keep = lane_less(zero, load_lanes<W>(exact));
+    for (int i = 0; i < 3 * graph.vertex_count; ++i)
+        store_lanes<W>(product + W * i, graph.target[i / 3] * load_lanes<W>(x + W * i));
     for (int a = 0; a < graph.vertex_count; ++a) {
-        double* block = diagonal + 6 * W * a;
-        const Lane<W> z = lane_broadcast<W>(graph.target[a]);
-        for (int k = 0; k < 6; ++k) store_lanes<W>(block + k * W, k == 0 || k == 2 || k == 5 ? z : zero);
-    }
-    for (int a = 0; a < graph.vertex_count; ++a) {
-        double* own = diagonal + 6 * W * a;
         for (int s = graph.first[a]; s < graph.first[a + 1]; ++s) {
-            const LaneVector<W> m = load_vector<W>(form + 4 * W * s);
-            const Lane<W> across = load_lanes<W>(form + 4 * W * s + 3 * W) - spring[s].axial;
-            const Lane<W> t = lane_select(keep_exact, across, lane_max(across, zero)) + spring[s].axial;
-            const Lane<W> block[6] = {t + m.x * m.x, m.y * m.x, t + m.y * m.y, m.z * m.x, m.z * m.y, t + m.z * m.z};
-            double* end = diagonal + 6 * W * spring[s].other;
-            for (int k = 0; k < 6; ++k) {
-                store_lanes<W>(own + k * W, load_lanes<W>(own + k * W) + block[k]);
-                store_lanes<W>(end + k * W, load_lanes<W>(end + k * W) + block[k]);
-            }
+            const int b = spring[s].other;
+            const LinearSpring<W> one =
+                linearize<W>(spring[s], difference<W>(position + 3 * W * a, position + 3 * W * b));
+            const LaneVector<W> d = difference<W>(x + 3 * W * a, x + 3 * W * b), m = one.m;
+            const Lane<W> t = lane_select(keep, one.across, lane_max(one.across, zero)) + spring[s].axial;
+            const Lane<W> along = dot<W>(m, d);
+            add_opposite<W>(product + 3 * W * a, product + 3 * W * b, lane_broadcast<W>(1.0),
+                            {t * d.x + along * m.x, t * d.y + along * m.y, t * d.z + along * m.z});
         }
     }
 }
@@ -181,8 +224,11 @@ TOILE_LANE_KERNEL void add_moduli(const SpringGraph& graph, const double* positi
 
 #define TOILE_INSTANTIATE(W)                                                                                        \
     template void evaluate_springs<W>(const SpringGraph&, const double*, const double*, double*, SpringValue<W>&);  \
-    template void linearize_springs<W>(const SpringGraph&, const double*, const double*, double*);                  \
-    template void spring_diagonal<W>(const SpringGraph&, const double*, const double*, double*);                    \
+    template void linearize_springs<W>(const SpringGraph&, const double*, const double*, const double*, double*,    \
+                                       double*);                                                                    \
+    template void linearize_springs<W>(const SpringGraph&, const double*, const double*, const double*,             \
+                                       SingleLanes<W>*, double*);                                                   \
+    template void multiply_hessian<W>(const SpringGraph&, const double*, const double*, const double*, double*);    \
     template void multiply_springs<W>(const SpringGraph&, const double*, const double*, double*, double*, double*); \
     template void dot_moduli<W>(const SpringGraph&, const double*, const double*, double*);                         \
     template void add_moduli<W>(const SpringGraph&, const double*, const double*, double*);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "prior/float_lanes.h"
 #include "prior/spring_graph.h"
 
 namespace toile::prior {
@@ -19,14 +20,18 @@ template <int W>
 void evaluate_springs(const SpringGraph& graph, const double* position, const double* predicted, double* gradient,
                       SpringValue<W>& value);
 
-/// The Hessian as springs, `form` `[S][4][W]`: of each pair it is (a I + m mᵀ) ⊗ (pair Laplacian) with m = (form 0..2),
-/// a = form 3. A lane with `exact[lane]` = 0 gets the projected Hessian: its springs' part of a not below zero.
-template <int W>
-void linearize_springs(const SpringGraph& graph, const double* position, const double* exact, double* form);
+/// The Hessian as springs, `form` `[S][4][W]`, in double precision or single (`SingleLanes`): of each pair it is (a I +
+/// m mᵀ) ⊗ (pair Laplacian) with m = (form 0..2), a = form 3. A lane with `exact[lane]` = 0 gets the projected Hessian:
+/// its springs' part of a not below zero. And its diagonal blocks `[V][6][W]` (xx, yx, yy, zx, zy, zz), projected where
+/// `exact_diagonal` is 0.
+template <int W, class Number>
+void linearize_springs(const SpringGraph& graph, const double* position, const double* exact,
+                       const double* exact_diagonal, Number* form, double* diagonal);
 
-/// Diagonal blocks `[V][6][W]` (xx, yx, yy, zx, zy, zz) of the Hessian in `form`, again projected where `exact` is 0.
+/// product = H x with the Hessian at `position`, straight from there.
 template <int W>
-void spring_diagonal(const SpringGraph& graph, const double* form, const double* exact, double* diagonal);
+void multiply_hessian(const SpringGraph& graph, const double* position, const double* exact, const double* x,
+                      double* product);
 
 /// product = H x, and the sums x·Hx and x·x.
 template <int W>

@@ -41,14 +41,17 @@ struct Springs {
         return value;
     }
     Eigen::MatrixXd hessian(double exact) const {
-        std::vector<double> form(4 * graph.spring.size());
-        linearize_springs<1>(graph, position.data(), &exact, form.data());
+        std::vector<double> form(4 * graph.spring.size()), diagonal(2 * position.size());
+        linearize_springs<1>(graph, position.data(), &exact, &exact, form.data(), diagonal.data());
         Eigen::MatrixXd result(position.size(), position.size());
         double curvature, squared;
         for (Eigen::Index i = 0; i < position.size(); ++i) {
             const Eigen::VectorXd unit = Eigen::VectorXd::Unit(position.size(), i);
             multiply_springs<1>(graph, form.data(), unit.data(), result.col(i).data(), &curvature, &squared);
             EXPECT_NEAR(curvature, result(i, i), 1e-12 * std::abs(curvature));
+            Eigen::VectorXd straight(position.size());
+            multiply_hessian<1>(graph, position.data(), &exact, unit.data(), straight.data());
+            EXPECT_LT((straight - result.col(i)).norm(), 1e-12 * straight.norm());
         }
         return result;
     }
@@ -106,8 +109,7 @@ Eigen::VectorXd apply(Preconditioner<W>& preconditioner, const Springs& s, doubl
             at[static_cast<size_t>(i) * W + l] = s.position[i];
             right[static_cast<size_t>(i) * W + l] = r[i];
         }
-    linearize_springs<W>(s.graph, at.data(), exact_lanes, form.data());
-    spring_diagonal<W>(s.graph, form.data(), exact_lanes, diagonal.data());
+    linearize_springs<W>(s.graph, at.data(), exact_lanes, exact_lanes, form.data(), diagonal.data());
     preconditioner.factor(form.data(), diagonal.data(), exact_lanes, lost);
     preconditioner.solve(right.data(), out.data(), sum);
     Eigen::VectorXd z(48);
