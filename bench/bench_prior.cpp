@@ -68,13 +68,19 @@ SpeedResults measure(const Flags& flags, const char* program) {
     results.peak_memory = peak_memories();
     results.overstretched_share = speed_scene(table_around, table_along, table_batch).overstretched_share();
     register_prior_benchmarks(flags.repetitions);
-    // interleaved: a busy spell of the machine hits units and rows alike
-    std::string name = program, interleave = "--benchmark_enable_random_interleaving=true";
-    char* arguments[] = {name.data(), interleave.data(), nullptr};
-    int count = 2;
-    benchmark::Initialize(&count, arguments);
     TimingCollector collector(results.timing);
-    benchmark::RunSpecifiedBenchmarks(&collector, flags.filter == "all" ? "all" : "^unit/|" + flags.filter);
+    const std::string rows = flags.filter == "all" ? "-^scaling/" : "^unit/|" + flags.filter;
+    const auto run = [&](const char* program_flag, const std::string& spec) {
+        std::string name = program, interleave = program_flag;
+        char* arguments[] = {name.data(), interleave.data(), nullptr};
+        int count = 2;
+        benchmark::Initialize(&count, arguments);
+        benchmark::RunSpecifiedBenchmarks(&collector, spec);
+    };
+    // interleaved: a busy spell of the machine hits units and rows alike
+    run("--benchmark_enable_random_interleaving=true", rows);
+    // by size, one in memory at a time
+    if (flags.filter == "all") run("--benchmark_enable_random_interleaving=false", "^scaling/");
     return results;
 }
 

@@ -4,10 +4,9 @@
 
 #include <algorithm>
 #include <functional>
-#include <map>
 #include <memory>
 #include <string>
-#include <tuple>
+#include <utility>
 
 #include "bench/factorisation_unit.h"
 #include "bench/peak_memory.h"
@@ -16,16 +15,10 @@
 namespace toile::bench {
 namespace {
 
-/// Scenes are made when first asked for, and kept.
-const SpeedScene& scene(TubeSize size, int samples) {
-    static std::map<std::tuple<int, int, int>, std::unique_ptr<SpeedScene>> scenes;
-    auto& kept = scenes[{size.around, size.along, samples}];
-    if (!kept) kept = std::make_unique<SpeedScene>(speed_scene(size.around, size.along, samples));
-    return *kept;
-}
-
+/// Made when first asked for.
 const SpeedScene& table_scene() {
-    return scene({table_around, table_along}, table_batch);
+    static const SpeedScene scene = speed_scene(table_around, table_along, table_batch);
+    return scene;
 }
 
 benchmark::internal::Benchmark* add(const std::string& name, int repetitions,
@@ -99,13 +92,13 @@ void time_backward_alone(benchmark::State& state, TimedPrior<Traits>& timed) {
 /// A prior that is built when the first of its benchmarks runs.
 template <typename Traits>
 struct Late {
-    TubeSize size;
-    int scene_samples, samples, alone;
+    const SpeedScene& scene;
+    int samples, alone;
     typename Traits::Options options;
     std::unique_ptr<TimedPrior<Traits>> timed;
 
     TimedPrior<Traits>& get() {
-        if (!timed) timed = std::make_unique<TimedPrior<Traits>>(scene(size, scene_samples), samples, alone, options);
+        if (!timed) timed = std::make_unique<TimedPrior<Traits>>(scene, samples, alone, options);
         return *timed;
     }
 };
@@ -113,8 +106,8 @@ struct Late {
 template <typename Traits>
 void add_rows(const std::string& method, const std::string& tolerance, const typename Traits::Options& options,
               int samples, int repetitions) {
-    const auto late = std::make_shared<Late<Traits>>(
-        Late<Traits>{{table_around, table_along}, table_batch, samples, std::min(samples, 8), options, nullptr});
+    const auto late =
+        std::make_shared<Late<Traits>>(Late<Traits>{table_scene(), samples, std::min(samples, 8), options, nullptr});
     const std::string name = std::string(Traits::name) + "/" + method + "/" + tolerance + "/";
     add(name + "forward/batch", repetitions, [late](benchmark::State& state) { time_forward(state, late->get()); });
     add(name + "forward/alone", repetitions,
@@ -127,12 +120,21 @@ void add_rows(const std::string& method, const std::string& tolerance, const typ
 
 template <typename Traits>
 void add_scaling() {
+    // One size in memory at a time: the next one takes its place.
+    const auto kept = std::make_shared<std::pair<SpeedScene, std::unique_ptr<Late<Traits>>>>();
     for (const TubeSize& size : scaling_sizes()) {
-        const auto late =
-            std::make_shared<Late<Traits>>(Late<Traits>{size, scaling_batch, scaling_batch, 0, {}, nullptr});
+        const auto get = [kept, size]() -> TimedPrior<Traits>& {
+            auto& [scene, late] = *kept;
+            if (!late || late->scene.rest.vertex_count != size.vertices()) {
+                late.reset();
+                scene = speed_scene(size.around, size.along, scaling_batch);
+                late.reset(new Late<Traits>{scene, scaling_batch, 0, {}, nullptr});
+            }
+            return late->get();
+        };
         const std::string name = std::string("scaling/") + Traits::name, end = "/" + std::to_string(size.vertices());
-        add(name + "/forward" + end, 3, [late](benchmark::State& state) { time_forward(state, late->get()); });
-        add(name + "/backward" + end, 3, [late](benchmark::State& state) { time_backward(state, late->get()); });
+        add(name + "/forward" + end, 2, [get](benchmark::State& state) { time_forward(state, get()); });
+        add(name + "/backward" + end, 2, [get](benchmark::State& state) { time_backward(state, get()); });
     }
 }
 
