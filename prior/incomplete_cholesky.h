@@ -26,6 +26,10 @@ class IncompleteCholesky final : public Preconditioner<W> {
     void factor_single(const SingleLanes<W>* form, const double* diagonal, const double* exact, double* lost_pivot);
     void solve_single(const SingleLanes<W>* r, SingleLanes<W>* z, double* r_dot_z);
 
+    /// L's blocks, `[S][packed]` (prior/float_lanes.h), and D⁻¹, `[V][6]` (xx, yx, yy, zx, zy, zz).
+    const SingleLanes<W>* lower() const { return lower_.data(); }
+    const SingleLanes<W>* pivot() const { return pivot_.data(); }
+
   private:
     const SpringGraph& graph_;
     std::vector<SingleLanes<W>> lower_;  // [S][packed], rows of L

@@ -201,7 +201,6 @@ void SingleSweeps<W>::read(double* d) const {
 
 template class DoubleSweeps<1>;
 template class DoubleSweeps<8>;
-template class SingleSweeps<1>;
 template class SingleSweeps<8>;
 
 }  // namespace toile::prior

@@ -87,7 +87,6 @@ class SingleSweeps final : public LinearSweeps<W> {
 
 extern template class DoubleSweeps<1>;
 extern template class DoubleSweeps<8>;
-extern template class SingleSweeps<1>;
 extern template class SingleSweeps<8>;
 
 }  // namespace toile::prior

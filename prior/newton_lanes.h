@@ -44,8 +44,23 @@ class NewtonLanes {
     void run(const std::function<int(QuasistaticSample&)>& take, const std::function<void(int)>& give_up);
 
   private:
-    struct Lane;
     enum Stage { sweep, assembly, factor, preconditioning, stages };
+    struct Lane {
+        int number = -1;  // of the sample, or -1
+        QuasistaticSample sample;
+        Report report;
+        double seconds[stages] = {};
+        double scale = 1;             // the residual's denominator
+        double right_side_norm = 0;   // 2-norm of the system's right-hand side, in the units of the sweeps
+        double previous_largest = 0;  // entry of the gradient, a step before; 0 at first
+        int slow_steps = 0;
+        bool stuck = false;     // no step lowers the energy
+        bool sweeping = false;  // in conjugate gradients
+        bool searching = false;
+        int shortenings = 0;
+        double forcing = 0;
+        double search_norm = 0;  // q·Mq of the search direction, M being the preconditioner
+    };
 
     bool retire();
     bool refill(const std::function<int(QuasistaticSample&)>& take);
@@ -67,8 +82,7 @@ class NewtonLanes {
     std::unique_ptr<LinearSweeps<W>> sweeps_;
     int size_;  // 3V
     const std::function<void(int)>* give_up_ = nullptr;
-    LaneArray predicted_, position_, trial_, gradient_, trial_gradient_, direction_, residual_, conditioned_, search_,
-        product_, form_, diagonal_;
+    LaneArray predicted_, position_, trial_, gradient_, trial_gradient_, direction_;
     SpringValue<W> value_, trial_value_;
     alignas(64) double exact_[W], exact_factor_[W], lost_pivot_[W], origin_[3 * W], length_[W], turn_[W], curvature_[W],
         residual_squared_[W], residual_largest_[W], r_dot_z_[W], r_dot_z_next_[W], slope_[W];

@@ -155,7 +155,7 @@ namespace {
 template <int W>
 NewtonLanes<W>& fast_solver(std::unique_ptr<NewtonLanes<W>>& kept, const Quasistatic::Impl& prior) {
     if (!kept) {
-        auto sweeps = std::make_unique<SingleSweeps<W>>(prior.graph);
+        std::unique_ptr<LinearSweeps<W>> sweeps = fast_sweeps<W>(prior.graph);
         kept = std::make_unique<NewtonLanes<W>>(prior.graph, rules_of(prior.options), std::move(sweeps));
     }
     return *kept;

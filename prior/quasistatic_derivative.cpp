@@ -178,7 +178,7 @@ void solve_group(DerivativeLanes<W>& lanes, const Task& task, const int* sample,
 template <int W>
 DerivativeLanes<W>& fast_lanes(std::unique_ptr<DerivativeLanes<W>>& kept, const SpringGraph& graph) {
     if (!kept) {
-        auto sweeps = std::make_unique<SingleSweeps<W>>(graph);
+        std::unique_ptr<LinearSweeps<W>> sweeps = fast_sweeps<W>(graph);
         kept = std::make_unique<DerivativeLanes<W>>(graph, std::move(sweeps), DerivativeRules{});
     }
     return *kept;

@@ -6,6 +6,7 @@
 
 #include "prior/derivative_lanes.h"
 #include "prior/newton_lanes.h"
+#include "prior/one_sample.h"
 #include "prior/quasistatic.h"
 #include "prior/spring_graph.h"
 
@@ -39,6 +40,15 @@ struct Quasistatic::Workspace::Buffers {
     std::vector<double> distance;  ///< of each sample from rest
     std::vector<int> hard;         ///< samples set aside for the last resort
 };
+
+/// The loops of the default method for W samples side by side.
+template <int W>
+std::unique_ptr<LinearSweeps<W>> fast_sweeps(const SpringGraph& graph) {
+    if constexpr (W == 1)
+        return std::make_unique<OneSampleSweeps>(graph);
+    else
+        return std::make_unique<SingleSweeps<W>>(graph);
+}
 
 /// Calls `task(slot)` on each of `threads` threads; on the caller's own alone without touching the heap.
 void on_threads(int threads, const std::function<void(int)>& task);

@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 
 #include "prior/incomplete_cholesky.h"
+#include "prior/linear_sweeps.h"
+#include "prior/one_sample.h"
 #include "prior/single_preconditioners.h"
 #include "prior/spring_graph.h"
 #include "prior/spring_lanes.h"
@@ -132,6 +134,46 @@ TEST(SpringGraph, PreconditionersComeNearTheInverse) {
     EXPECT_LT((apply<8>(eight, s, 0.0, r) - near).norm(), 0.03 * near.norm());
     BlockJacobi jacobi(s.graph);
     EXPECT_GT(r.dot(apply<1>(jacobi, s, 0.0, r)), 0.0);
+}
+
+TEST(SpringGraph, SweepsOfOneSampleAreThoseOfEight) {
+    const Springs s(0.004);
+    const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(48, -1.0, 2.0);
+    const auto first_steps = [&]<int W>(LinearSweeps<W>& sweeps) {
+        LaneArray at(48 * W), right(48 * W), out(48 * W);
+        alignas(64) double exact[W], lost[W], r_dot_z[W], squared[W], largest[W], curvature[W], length[W], turn[W];
+        std::fill_n(exact, W, 0.0);
+        for (size_t i = 0; i < 48 * W; ++i) {
+            at[i] = s.position[static_cast<Eigen::Index>(i / W)];
+            right[i] = b[static_cast<Eigen::Index>(i / W)];
+        }
+        sweeps.linearize(at.data(), exact, exact);
+        sweeps.factor(exact, lost);
+        sweeps.begin(right.data(), r_dot_z, squared, largest);
+        for (int k = 0; k < 3; ++k) {
+            sweeps.multiply(curvature);
+            for (int l = 0; l < W; ++l) length[l] = r_dot_z[l] / curvature[l];
+            sweeps.advance(length, squared, largest);
+            std::copy_n(r_dot_z, W, turn);
+            sweeps.condition(r_dot_z);
+            for (int l = 0; l < W; ++l) turn[l] = r_dot_z[l] / turn[l];
+            sweeps.turn(turn);
+        }
+        sweeps.read(out.data());
+        Eigen::VectorXd d(48);
+        for (int i = 0; i < 48; ++i) d[i] = out[static_cast<size_t>(i * W + W - 1)];
+        return d;
+    };
+    OneSampleSweeps one(s.graph);
+    SingleSweeps<8> eight(s.graph);
+    DoubleSweeps<1> in_double(s.graph, std::make_unique<IncompleteCholesky<1>>(s.graph));
+    const Eigen::VectorXd expected = first_steps(static_cast<LinearSweeps<1>&>(in_double));
+    // Single precision, times the Hessian's condition number.
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(s.hessian(0.0));
+    const double condition = eigen.eigenvalues()[47] / eigen.eigenvalues()[0];
+    EXPECT_LT((first_steps(static_cast<LinearSweeps<1>&>(one)) - expected).norm(), 6e-7 * condition * expected.norm());
+    // Eight lanes keep eight bits of the factor.
+    EXPECT_LT((first_steps(static_cast<LinearSweeps<8>&>(eight)) - expected).norm(), 0.05 * expected.norm());
 }
 
 TEST(SpringGraph, IncompleteFactorOfAPathIsComplete) {
