@@ -133,9 +133,9 @@ class Quasistatic {
     void project(std::span<const double> predicted, QuasistaticSolution& solution, Workspace& workspace,
                  bool warm_start = false) const;
     /// Vector-Jacobian product with the exact Hessian H at r* (method.md, Section 3; paper, Equations 14 and 16):
-    /// H η = ∂L/∂r*, then ∂L/∂r̂_i = μ_i k^Z_i η_i and so on. Where conjugate gradients meet negative curvature or stall,
-    /// a complete factorisation takes over and decides. If H is not positive definite, r* is no strict minimum and has
-    /// no derivative; the projected Hessian then takes the place of H, and the report says so. The report's
+    /// H η = ∂L/∂r*, then ∂L/∂r̂_i = μ_i k^Z_i η_i and so on. Where conjugate gradients meet negative curvature or
+    /// stall, a complete factorisation takes over and decides. If H is not positive definite, r* is no strict minimum
+    /// and has no derivative; the projected Hessian then takes the place of H, and the report says so. The report's
     /// `active_set_distance` is 1: the energy has no active set. A sample that was rejected gets NaN.
     void backward(std::span<const double> predicted, const QuasistaticSolution& solution,
                   std::span<const double> loss_gradient, QuasistaticGradient& gradient, Workspace& workspace) const;
