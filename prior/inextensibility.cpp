@@ -291,27 +291,40 @@ void Inextensibility::project(std::span<const double> predicted, Inextensibility
 
 namespace {
 
-/// Calls `work(slot, begin, count)` for the groups of a batch and shares the time out over their reports.
-template <typename Work>
-void for_each_group(int count, int threads, const Work& work) {
-    if (count == 1)
-        work(std::integral_constant<int, 1>{}, 0, 0, 1);
-    else
-        parallel_for((count + 7) / 8, threads, [&](int slot, int group) {
-            work(std::integral_constant<int, 8>{}, slot, 8 * group, std::min(8, count - 8 * group));
-        });
-}
-
-template <int W>
-void differentiate(InextensibilityBuffers<W>& buffers, std::array<InextensibilityDerivativeLane, W>& lane, int count,
-                   double tolerance, std::span<DerivativeReport> report) {
+/// Differentiates samples [begin, begin + report.size()), at most W, side by side. `aim` says of a sample what is to be
+/// multiplied and where results go.
+template <int W, typename Aim>
+void differentiate(InextensibilityBuffers<W>& buffers, const InextensibilitySolution& solution, int begin,
+                   double tolerance, std::span<DerivativeReport> report, const Aim& aim) {
     const Clock::time_point start = Clock::now();
+    const std::size_t positions = 3 * static_cast<std::size_t>(buffers.shared.vertex_count);
+    const std::size_t edges = buffers.shared.edge_count;
+    std::array<InextensibilityDerivativeLane, W> lane;
+    for (std::size_t l = 0; l < report.size(); ++l) {
+        const std::size_t s = begin + l;
+        lane[l].position = solution.position.data() + s * positions;
+        lane[l].multiplier = solution.multiplier.data() + s * edges;
+        aim(s, lane[l]);
+    }
     differentiate_group<W>(buffers, lane, tolerance);
-    const double each = seconds_since(start) / count;
-    for (int l = 0; l < count; ++l) {
+    const double each = seconds_since(start) / static_cast<double>(report.size());
+    for (std::size_t l = 0; l < report.size(); ++l) {
         report[l] = lane[l].report;
         report[l].seconds = each;
     }
+}
+
+/// The same for a whole batch: one sample alone, or eight at a time.
+template <typename Buffers, typename Aim>
+void differentiate_batch(const InextensibilityShared& shared, double tolerance, Buffers& buffers,
+                         const InextensibilitySolution& solution, std::span<DerivativeReport> report, const Aim& aim) {
+    const int count = static_cast<int>(report.size());
+    if (count == 1)
+        return differentiate<1>(buffers.template get<1>(0, shared).solving, solution, 0, tolerance, report, aim);
+    parallel_for((count + 7) / 8, static_cast<int>(buffers.slot.size()), [&](int slot, int group) {
+        differentiate<8>(buffers.template get<8>(slot, shared).solving, solution, 8 * group, tolerance,
+                         report.subspan(8 * group, std::min(8, count - 8 * group)), aim);
+    });
 }
 
 int check_solution(const InextensibilityModel& model, const InextensibilitySolution& solution) {
@@ -349,20 +362,12 @@ void Inextensibility::backward(const InextensibilitySolution& solution, std::spa
         });
         return;
     }
-    for_each_group(count, static_cast<int>(slots.slot.size()), [&](auto width, int slot, int begin, int size) {
-        constexpr int W = decltype(width)::value;
-        std::array<InextensibilityDerivativeLane, W> lane;
-        for (int l = 0; l < size; ++l) {
-            const std::size_t s = begin + l;
-            lane[l].position = solution.position.data() + s * positions;
-            lane[l].multiplier = solution.multiplier.data() + s * edges;
-            lane[l].loss_gradient = loss_gradient.data() + s * positions;
-            lane[l].result = gradient.predicted.data() + s * positions;
-            lane[l].multiplier_result = gradient.edge_max_length.data() + s * edges;
-        }
-        differentiate<W>(slots.template get<W>(slot, impl_->shared).solving, lane, size, impl_->options.tolerance,
-                         {gradient.report.data() + begin, static_cast<std::size_t>(size)});
-    });
+    differentiate_batch(impl_->shared, impl_->options.tolerance, slots, solution, gradient.report,
+                        [&](std::size_t s, InextensibilityDerivativeLane& lane) {
+                            lane.loss_gradient = loss_gradient.data() + s * positions;
+                            lane.result = gradient.predicted.data() + s * positions;
+                            lane.multiplier_result = gradient.edge_max_length.data() + s * edges;
+                        });
 }
 
 void Inextensibility::tangent(const InextensibilitySolution& solution, std::span<const double> predicted_change,
@@ -388,20 +393,13 @@ void Inextensibility::tangent(const InextensibilitySolution& solution, std::span
         });
         return;
     }
-    for_each_group(count, static_cast<int>(slots.slot.size()), [&](auto width, int slot, int begin, int size) {
-        constexpr int W = decltype(width)::value;
-        std::array<InextensibilityDerivativeLane, W> lane;
-        for (int l = 0; l < size; ++l) {
-            const std::size_t s = begin + l;
-            lane[l].position = solution.position.data() + s * positions;
-            lane[l].multiplier = solution.multiplier.data() + s * edges;
-            lane[l].predicted_change = predicted_change.data() + s * positions;
-            if (!edge_max_length_change.empty()) lane[l].limit_change = edge_max_length_change.data() + s * edges;
-            lane[l].result = tangent.position.data() + s * positions;
-        }
-        differentiate<W>(slots.template get<W>(slot, impl_->shared).solving, lane, size, impl_->options.tolerance,
-                         {tangent.report.data() + begin, static_cast<std::size_t>(size)});
-    });
+    differentiate_batch(impl_->shared, impl_->options.tolerance, slots, solution, tangent.report,
+                        [&](std::size_t s, InextensibilityDerivativeLane& lane) {
+                            lane.predicted_change = predicted_change.data() + s * positions;
+                            if (!edge_max_length_change.empty())
+                                lane.limit_change = edge_max_length_change.data() + s * edges;
+                            lane.result = tangent.position.data() + s * positions;
+                        });
 }
 
 InextensibilitySolution project_inextensible(const ClothMesh& mesh, const Positions& predicted, double stretch_limit,

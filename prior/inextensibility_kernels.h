@@ -54,10 +54,10 @@ void begin_sweeps(const InextensibilityLanes<W>& lanes, double penalty);
 template <int W>
 void finish_sweep(const InextensibilityLanes<W>& lanes, double penalty);
 /// λ and s on the central path of the given μ `[W]`, as near to `position` and `dual` as the smoothed projection brings
-/// them. `largest` `[W]` gets the largest |penalty · dual|, `overlength` `[W]` the largest l / L − 1, when asked for
-/// alone by `measure_sweeps`.
+/// them.
 template <int W>
 void smooth_start(const InextensibilityLanes<W>& lanes, double penalty, const double* mu);
+/// Largest |penalty · dual| and largest l / L − 1 (zero where no edge is too long), `[W]` each.
 template <int W>
 void measure_sweeps(const InextensibilityLanes<W>& lanes, double penalty, double* largest, double* overlength);
 /// As `begin_sweeps`, from the positions and multipliers of an earlier solution.
