@@ -23,12 +23,13 @@ double lumped_area(const ClothMesh& mesh, int f) {
 
 }  // namespace
 
-std::vector<ContactPoint> contact_points(const ClothMesh& mesh, const Topology& topology, const BlockMatrix& pattern) {
+std::vector<ContactPoint> contact_points(const ClothMesh& mesh, const Topology& topology,
+                                         const BlockSymbolic& symbolic) {
     std::vector<ContactPoint> points(static_cast<size_t>(mesh.vertex_count() + topology.edge.rows()));
     for (int v = 0; v < mesh.vertex_count(); ++v) points[v] = {v, -1, -1, 0.0};
     for (int e = 0; e < topology.edge.rows(); ++e) {
         const int a = topology.edge(e, 0), b = topology.edge(e, 1);
-        points[mesh.vertex_count() + e] = {a, b, pattern.slot(b, a), 0.0};
+        points[mesh.vertex_count() + e] = {a, b, symbolic.slot(a, b), 0.0};
     }
     for (int f = 0; f < mesh.triangle_count(); ++f) {
         const double share = lumped_area(mesh, f) / 6.0;
@@ -186,17 +187,17 @@ Eigen::Matrix3d Contact::hessian_block(const ContactPoint& point, const State& s
     return block;
 }
 
-void Contact::add_hessian(BlockMatrix& hessian) const {
+void Contact::add_hessian(BlockValues& hessian) const {
     for (size_t k = 0; k < points_.size(); ++k) {
         const ContactPoint& point = points_[k];
         if (!(state_[k].distance < options_.thickness)) continue;
         const Eigen::Matrix3d block = hessian_block(point, state_[k]);
         if (point.second < 0) {
-            hessian.add(point.first, point.first, block);
+            hessian.add(point.first, block);
         } else {
-            hessian.add(point.first, point.first, 0.25 * block);
-            hessian.add(point.second, point.second, 0.25 * block);
-            hessian.add_at(point.slot, point.first, 0.25 * block);
+            hessian.add(point.first, 0.25 * block);
+            hessian.add(point.second, 0.25 * block);
+            hessian.add(point.slot, 0.25 * block);
         }
     }
 }

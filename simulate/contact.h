@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "cloth/block_matrix.h"
+#include "cloth/block_values.h"
 #include "cloth/cloth_mesh.h"
 #include "cloth/topology.h"
 #include "simulate/obstacle.h"
@@ -20,7 +20,8 @@ struct ContactPoint {
 
 /// Vertices and edge midpoints, so that a triangle's side cannot sink into a curved surface between two vertices that
 /// rest on it. Half of the cloth's area goes to either kind.
-std::vector<ContactPoint> contact_points(const ClothMesh& mesh, const Topology& topology, const BlockMatrix& pattern);
+std::vector<ContactPoint> contact_points(const ClothMesh& mesh, const Topology& topology,
+                                         const BlockSymbolic& symbolic);
 
 /// Contact and friction of one cloth with one obstacle.
 ///
@@ -46,7 +47,7 @@ class Contact {
     double energy(const Positions& x) const;
     void add_gradient(Positions& gradient) const;
     /// Positive semidefinite: the distance's own curvature is left out.
-    void add_hessian(BlockMatrix& hessian) const;
+    void add_hessian(BlockValues& hessian) const;
 
     /// The piece a vertex is tied to, and the one it starts from.
     int piece(int vertex) const { return state_[vertex].piece; }

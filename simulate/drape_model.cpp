@@ -36,10 +36,10 @@ DrapeModel::DrapeModel(const DrapeScene& from)
       topology(build_topology(scene.mesh.triangle)),
       rest_length(edge_rest_lengths(scene.mesh, topology)),
       elasticity(scene.mesh, topology, scene.membrane, scene.bending, scene.solver.gravity),
-      pattern(scene.mesh.vertex_count(), elasticity.pairs()) {
-    elasticity.bind(pattern);
+      symbolic(std::make_shared<const BlockSymbolic>(scene.mesh.vertex_count(), elasticity.pairs())) {
+    elasticity.bind(*symbolic);
     if (scene.contact) {
-        points = contact_points(scene.mesh, topology, pattern);
+        points = contact_points(scene.mesh, topology, *symbolic);
         pressure = std::max(scene.membrane.warp_stiffness, scene.membrane.weft_stiffness) / pressure_length;
     }
     if (scene.body) surface = reachable_surface(*scene.body, scene.mesh.rest_position, reach);

@@ -1,8 +1,9 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
-#include "cloth/block_matrix.h"
+#include "cloth/block_symbolic.h"
 #include "cloth/topology.h"
 #include "simulate/collision_body.h"
 #include "simulate/contact.h"
@@ -17,11 +18,11 @@ struct DrapeModel {
     Topology topology;
     Eigen::VectorXd rest_length;  ///< `[E]` [m]
     Elasticity elasticity;
-    BlockMatrix pattern;               ///< the Hessian's sparsity
-    std::vector<ContactPoint> points;  ///< empty without contact
-    ReachableSurface surface;          ///< empty without a body
-    double pressure = 0.0;             ///< of contact where cloth touches [Pa]
-    double weight = 0.0;               ///< of the garment [N]
+    std::shared_ptr<const BlockSymbolic> symbolic;  ///< of the Hessian
+    std::vector<ContactPoint> points;               ///< empty without contact
+    ReachableSurface surface;                       ///< empty without a body
+    double pressure = 0.0;                          ///< of contact where cloth touches [Pa]
+    double weight = 0.0;                            ///< of the garment [N]
 
     /// Throws Error for a mesh that cannot be draped, missing masses, contact that is wanted but absent, unknown pinned
     /// vertices.

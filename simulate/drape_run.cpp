@@ -26,7 +26,7 @@ DrapeRun::DrapeRun(const DrapeModel& shared) : shared_(shared), scene_(shared.sc
     if (scene_.sphere) add_contact(*solids_.emplace_back(std::make_unique<Sphere>(*scene_.sphere)));
     std::vector<Contact*> contacts;
     for (auto& contact : contacts_) contacts.push_back(contact.get());
-    step_ = std::make_unique<ImplicitStep>(scene_.mesh, shared.elasticity, shared.pattern, scene_.pinned, contacts,
+    step_ = std::make_unique<ImplicitStep>(scene_.mesh, shared.elasticity, shared.symbolic, scene_.pinned, contacts,
                                            scene_.solver.damping);
 }
 

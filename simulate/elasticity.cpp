@@ -7,10 +7,6 @@ namespace {
 
 constexpr int hinge_pair[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
-int slot_of(const BlockMatrix& pattern, int i, int j) {
-    return pattern.slot(std::max(i, j), std::min(i, j));
-}
-
 }  // namespace
 
 Elasticity::Elasticity(const ClothMesh& mesh, const Topology& topology, const MembraneOptions& membrane,
@@ -40,16 +36,14 @@ std::vector<std::pair<int, int>> Elasticity::pairs() const {
     return pairs;
 }
 
-void Elasticity::bind(const BlockMatrix& pattern) {
+void Elasticity::bind(const BlockSymbolic& symbolic) {
     for (int f = 0; f < mesh_.triangle_count(); ++f) {
         const auto t = mesh_.triangle.row(f);
-        membrane_slot_.push_back(
-            {slot_of(pattern, t[0], t[1]), slot_of(pattern, t[1], t[2]), slot_of(pattern, t[2], t[0])});
+        membrane_slot_.push_back({symbolic.slot(t[0], t[1]), symbolic.slot(t[1], t[2]), symbolic.slot(t[2], t[0])});
     }
     for (int h = 0; h < hinge_.rows(); ++h) {
         std::array<int, 6>& slots = bending_slot_.emplace_back();
-        for (int k = 0; k < 6; ++k)
-            slots[k] = slot_of(pattern, hinge_(h, hinge_pair[k][0]), hinge_(h, hinge_pair[k][1]));
+        for (int k = 0; k < 6; ++k) slots[k] = symbolic.slot(hinge_(h, hinge_pair[k][0]), hinge_(h, hinge_pair[k][1]));
     }
 }
 
@@ -85,26 +79,26 @@ void Elasticity::add_gradient(const Positions& x, Positions& gradient) const {
     }
 }
 
-void Elasticity::add_hessian(const Positions& x, BlockMatrix& hessian) const {
+void Elasticity::add_hessian(const Positions& x, BlockValues& hessian) const {
     for (int f = 0; f < mesh_.triangle_count(); ++f) {
         const auto t = mesh_.triangle.row(f);
         const TrianglePositions columns = corners(x, f);
         const TriangleHessian local = membrane_projected_hessian(membrane_[f], stiffness_, columns);
         for (int i = 0; i < 3; ++i) {
-            hessian.add(t[i], t[i], local.block<3, 3>(3 * i, 3 * i));
+            hessian.add(t[i], local.block<3, 3>(3 * i, 3 * i));
             const int j = (i + 1) % 3;
             const bool row_is_larger = t[i] > t[j];
             const Eigen::Matrix3d block =
                 row_is_larger ? local.block<3, 3>(3 * i, 3 * j) : local.block<3, 3>(3 * j, 3 * i);
-            hessian.add_at(membrane_slot_[f][i], std::min(t[i], t[j]), block);
+            hessian.add(membrane_slot_[f][i], block);
         }
     }
     for (int h = 0; h < hinge_.rows(); ++h) {
         const Eigen::Matrix4d local = bending_hessian(bending_[h], bending_stiffness_);
-        for (int i = 0; i < 4; ++i) hessian.add_identity(hinge_(h, i), hinge_(h, i), local(i, i));
+        for (int i = 0; i < 4; ++i) hessian.add_identity(hinge_(h, i), local(i, i));
         for (int k = 0; k < 6; ++k) {
             const auto& [i, j] = hinge_pair[k];
-            hessian.add_identity_at(bending_slot_[h][k], std::min(hinge_(h, i), hinge_(h, j)), local(i, j));
+            hessian.add_identity(bending_slot_[h][k], local(i, j));
         }
     }
 }

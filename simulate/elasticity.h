@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cloth/bending.h"
-#include "cloth/block_matrix.h"
+#include "cloth/block_values.h"
 #include "cloth/cloth_mesh.h"
 #include "cloth/membrane.h"
 #include "cloth/topology.h"
@@ -23,14 +23,14 @@ class Elasticity {
 
     /// Vertex pairs that share a stencil: the Hessian's graph.
     std::vector<std::pair<int, int>> pairs() const;
-    /// Looks up where each stencil's blocks go; call once with the matrix' pattern.
-    void bind(const BlockMatrix& pattern);
+    /// Looks up where each stencil's blocks go; call once with the matrix' graph.
+    void bind(const BlockSymbolic& symbolic);
 
     double energy(const Positions& x) const;
     void add_gradient(const Positions& x, Positions& gradient) const;
     /// The projected Hessian, positive semidefinite. (On garments the true one was indefinite in two iterations of
     /// three and saved none.)
-    void add_hessian(const Positions& x, BlockMatrix& hessian) const;
+    void add_hessian(const Positions& x, BlockValues& hessian) const;
 
   private:
     TrianglePositions corners(const Positions& x, int triangle) const;

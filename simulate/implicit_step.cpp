@@ -18,19 +18,21 @@ constexpr double longest_share = 16.0;
 
 }  // namespace
 
-ImplicitStep::ImplicitStep(const ClothMesh& mesh, const Elasticity& elasticity, const BlockMatrix& pattern,
-                           const std::vector<int>& pinned, std::vector<Contact*> contacts, double damping)
+ImplicitStep::ImplicitStep(const ClothMesh& mesh, const Elasticity& elasticity,
+                           std::shared_ptr<const BlockSymbolic> symbolic, const std::vector<int>& pinned,
+                           std::vector<Contact*> contacts, double damping)
     : mesh_(mesh),
       elasticity_(elasticity),
-      pinned_(pinned),
+      pinned_(static_cast<size_t>(mesh.vertex_count()), false),
       contacts_(std::move(contacts)),
       damping_(damping),
-      hessian_(pattern),
-      cholesky_(pattern),
+      hessian_(symbolic),
+      cholesky_(symbolic),
       gradient_(mesh.vertex_count(), 3),
       direction_(mesh.vertex_count(), 3),
-      trial_(mesh.vertex_count(), 3),
-      right_(3 * mesh.vertex_count()) {}
+      trial_(mesh.vertex_count(), 3) {
+    for (int v : pinned) pinned_[v] = true;
+}
 
 double ImplicitStep::energy(const Target& target, const Positions& x) const {
     const double h = target.time_step;
@@ -42,7 +44,8 @@ double ImplicitStep::energy(const Target& target, const Positions& x) const {
 }
 
 void ImplicitStep::clear_pinned(Positions& rows) const {
-    for (int v : pinned_) rows.row(v).setZero();
+    for (int v = 0; v < rows.rows(); ++v)
+        if (pinned_[v]) rows.row(v).setZero();
 }
 
 void ImplicitStep::gradient_of(const Target& target, const Positions& x) {
@@ -65,14 +68,23 @@ double ImplicitStep::static_residual(const Positions& x) {
     return gradient_.norm();
 }
 
-bool ImplicitStep::factor(const Positions& x, DrapeReport& report) {
+bool ImplicitStep::newton_direction(const Positions& x, double inertia, DrapeReport& report) {
     {
         const Stopwatch watch(report.assembly_seconds);
+        for (int v = 0; v < mesh_.vertex_count(); ++v) hessian_.add_identity(v, inertia * mesh_.mass[v]);
         elasticity_.add_hessian(x, hessian_);
-        for (int v : pinned_) hessian_.fix(v);
+        hessian_.fix(pinned_);
     }
     const Stopwatch watch(report.factor_seconds);
-    return cholesky_.factor(hessian_);
+    direction_ = -gradient_;
+    bool definite = cholesky_.factor_and_solve(hessian_.data(), direction_.data()).all();
+    // Rounding can spoil a matrix that is nearly singular: a growing shift mends it.
+    for (double shift = 1e-3 * inertia; !definite && shift < 1e12 * inertia; shift *= 10.0) {
+        for (int v = 0; v < mesh_.vertex_count(); ++v) hessian_.add_identity(v, shift * mesh_.mass[v]);
+        direction_ = -gradient_;
+        definite = cholesky_.factor_and_solve(hessian_.data(), direction_.data()).all();
+    }
+    return definite;
 }
 
 double ImplicitStep::lengthen(const Target& target, const Positions& x, double share, double longest,
@@ -100,17 +112,7 @@ ImplicitStep::Iteration ImplicitStep::iterate(const Target& target, Positions& x
         for (Contact* contact : contacts_) contact->add_hessian(hessian_);
     }
     if (!gradient_.allFinite()) return failed;
-    for (int v = 0; v < mesh_.vertex_count(); ++v) hessian_.add_identity(v, v, inertia * mesh_.mass[v]);
-    bool definite = factor(x, report);
-    // Rounding can spoil a matrix that is nearly singular: a growing shift mends it.
-    for (double shift = 1e-3 * inertia; !definite && shift < 1e12 * inertia; shift *= 10.0) {
-        for (int v = 0; v < mesh_.vertex_count(); ++v) hessian_.add_identity(v, v, shift * mesh_.mass[v]);
-        definite = cholesky_.factor(hessian_);
-    }
-    if (!definite) return failed;
-    right_ = -Eigen::Map<const Eigen::VectorXd>(gradient_.data(), gradient_.size());
-    cholesky_.solve(right_, solution_);
-    direction_ = Eigen::Map<const Positions>(solution_.data(), gradient_.rows(), 3);
+    if (!newton_direction(x, inertia, report)) return failed;
     const Stopwatch watch(report.line_search_seconds);
     const double slope = gradient_.cwiseProduct(direction_).sum();
     const double longest = std::sqrt(direction_.rowwise().squaredNorm().maxCoeff());

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "cloth/sparse_cholesky.h"
+#include "cloth/lane_cholesky.h"
 #include "simulate/contact.h"
 #include "simulate/drape.h"
 #include "simulate/elasticity.h"
@@ -18,7 +18,7 @@ namespace toile::simulate {
 /// bending and weight. Solved by Newton's method with a positive definite Hessian and a backtracking line search.
 class ImplicitStep {
   public:
-    ImplicitStep(const ClothMesh& mesh, const Elasticity& elasticity, const BlockMatrix& pattern,
+    ImplicitStep(const ClothMesh& mesh, const Elasticity& elasticity, std::shared_ptr<const BlockSymbolic> symbolic,
                  const std::vector<int>& pinned, std::vector<Contact*> contacts, double damping);
 
     struct Target {
@@ -41,19 +41,18 @@ class ImplicitStep {
   private:
     double energy(const Target& target, const Positions& x) const;
     void gradient_of(const Target& target, const Positions& x);
-    bool factor(const Positions& x, DrapeReport& report);
+    bool newton_direction(const Positions& x, double inertia, DrapeReport& report);
     double lengthen(const Target& target, const Positions& x, double share, double longest, double energy_there);
     void clear_pinned(Positions& rows) const;
 
     const ClothMesh& mesh_;
     const Elasticity& elasticity_;
-    const std::vector<int>& pinned_;
+    std::vector<bool> pinned_;  // of each vertex
     std::vector<Contact*> contacts_;
     double damping_;
-    BlockMatrix hessian_;
-    SparseCholesky cholesky_;
+    BlockValues hessian_;
+    LaneCholesky<1> cholesky_;
     Positions gradient_, direction_, trial_;
-    Eigen::VectorXd right_, solution_;
 };
 
 }  // namespace toile::simulate

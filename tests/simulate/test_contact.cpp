@@ -11,8 +11,8 @@ namespace {
 struct Fixture {
     ClothMesh mesh = test::cloth_square(4, 0.08, 0.0);
     Topology topology = build_topology(mesh.triangle);
-    BlockMatrix pattern{mesh.vertex_count(), pairs()};
-    std::vector<ContactPoint> points = contact_points(mesh, topology, pattern);
+    BlockSymbolic symbolic{mesh.vertex_count(), pairs()};
+    std::vector<ContactPoint> points = contact_points(mesh, topology, symbolic);
     Sphere sphere{SphereOptions{{0.003, -0.0991, 0.001}, 0.1}};
     Positions x = test::crumpled(mesh.rest_position, 0.0003);
 

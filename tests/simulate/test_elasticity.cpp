@@ -15,12 +15,12 @@ struct Fixture {
     Positions x = test::crumpled(mesh.rest_position, 0.002);
 };
 
-Eigen::MatrixXd dense(const BlockMatrix& matrix) {
-    Eigen::MatrixXd full(matrix.size(), matrix.size());
-    Eigen::VectorXd column;
-    for (int k = 0; k < matrix.size(); ++k) {
-        matrix.multiply(Eigen::VectorXd::Unit(matrix.size(), k), column);
-        full.col(k) = column;
+Eigen::MatrixXd dense(const BlockValues& matrix) {
+    const int size = 3 * matrix.symbolic().vertex_count();
+    Eigen::MatrixXd full(size, size);
+    for (int k = 0; k < size; ++k) {
+        const Eigen::VectorXd unit = Eigen::VectorXd::Unit(size, k);
+        matrix.multiply(unit.data(), full.col(k).data());
     }
     return full;
 }
@@ -43,8 +43,8 @@ TEST(Elasticity, HessianIsTheGradientsDerivativeInTension) {
     Fixture f;
     f.x = 1.3 * test::crumpled(f.mesh.rest_position, 0.0005);
     Elasticity elasticity(f.mesh, f.topology, {}, BendingOptions{0.01}, {0, -9.81, 0});
-    BlockMatrix hessian(f.mesh.vertex_count(), elasticity.pairs());
-    elasticity.bind(hessian);
+    BlockValues hessian(std::make_shared<const BlockSymbolic>(f.mesh.vertex_count(), elasticity.pairs()));
+    elasticity.bind(hessian.symbolic());
     elasticity.add_hessian(f.x, hessian);
     const auto gradient = [&](const Eigen::VectorXd& at) -> Eigen::VectorXd {
         Positions g = Positions::Zero(f.x.rows(), 3);
@@ -59,8 +59,8 @@ TEST(Elasticity, HessianIsPositiveSemidefiniteInCompression) {
     Fixture f;
     f.x = 0.7 * test::crumpled(f.mesh.rest_position, 0.002);
     Elasticity elasticity(f.mesh, f.topology, {}, BendingOptions{}, {0, -9.81, 0});
-    BlockMatrix hessian(f.mesh.vertex_count(), elasticity.pairs());
-    elasticity.bind(hessian);
+    BlockValues hessian(std::make_shared<const BlockSymbolic>(f.mesh.vertex_count(), elasticity.pairs()));
+    elasticity.bind(hessian.symbolic());
     elasticity.add_hessian(f.x, hessian);
     const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense(hessian)).eigenvalues();
     EXPECT_GT(values.minCoeff(), -1e-9 * values.maxCoeff());
@@ -70,8 +70,8 @@ TEST(Elasticity, WithoutBendingThereAreNoHinges) {
     const Fixture f;
     const Elasticity with(f.mesh, f.topology, {}, BendingOptions{}, {0, 0, 0}),
         without(f.mesh, f.topology, {}, {}, {0, 0, 0});
-    const BlockMatrix wide(f.mesh.vertex_count(), with.pairs()), narrow(f.mesh.vertex_count(), without.pairs());
-    EXPECT_LT(narrow.value().size(), wide.value().size());
+    const BlockSymbolic wide(f.mesh.vertex_count(), with.pairs()), narrow(f.mesh.vertex_count(), without.pairs());
+    EXPECT_LT(narrow.slot_count(), wide.slot_count());
     EXPECT_LT(without.energy(f.x), with.energy(f.x));
 }
 
