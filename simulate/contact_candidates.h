@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "cloth/topology.h"
+#include "cloth/types.h"
+#include "simulate/proximity.h"
+
+namespace toile::simulate {
+
+/// A vertex and a triangle that may touch, with the indices of the four vertices in the order of `FourPoints`.
+struct VertexTrianglePair {
+    int vertex, triangle;
+    std::array<int, 4> point;
+    bool operator==(const VertexTrianglePair&) const = default;
+};
+
+/// Two edges that may touch, the smaller index first.
+struct EdgeEdgePair {
+    int first, second;
+    std::array<int, 4> point;
+    bool operator==(const EdgeEdgePair&) const = default;
+};
+
+/// In lexicographic order of the two indices; no pair twice, none that shares a vertex.
+struct CandidatePairs {
+    std::vector<VertexTrianglePair> vertex_triangle;
+    std::vector<EdgeEdgePair> edge_edge;
+};
+
+/// Rows of a `[V x 3]` array.
+inline FourPoints gather(const Positions& x, const std::array<int, 4>& point) {
+    return {x.row(point[0]).transpose(), x.row(point[1]).transpose(), x.row(point[2]).transpose(),
+            x.row(point[3]).transpose()};
+}
+
+/// Broad phase of self-contact: which vertices and triangles, edges and edges of one mesh are near each other. Keeps
+/// the mesh and its work space, but nothing of earlier searches: what it finds depends on the arguments alone. Any mix
+/// of triangle sizes and shapes will do; time grows as V log V plus the number of boxes that overlap.
+///
+///     ContactCandidates candidates(mesh.triangle, topology.edge);
+///     CandidatePairs pairs;                                  // keep it: its memory is used again
+///     candidates.find(x, thickness, pairs);
+///     for (const auto& pair : pairs.edge_edge) edge_edge_proximity(gather(x, pair.point));
+class ContactCandidates {
+  public:
+    ContactCandidates(const Triangles& triangle, const Edges& edge);
+
+    /// All pairs nearer than `radius` [m] at x `[V x 3]`; none that is further away, but for rounding. Throws `Error`
+    /// where x has fewer rows than the mesh has vertices, or the radius is negative or not a number.
+    void find(const Positions& x, double radius, CandidatePairs& pairs);
+
+    /// All pairs that may come nearer than `radius` while x moves to x + motion, and some that don't: a pair is left
+    /// out where its boxes, or its distance at x less its largest relative motion, tell.
+    void find(const Positions& x, const Positions& motion, double radius, CandidatePairs& pairs);
+};
+
+}  // namespace toile::simulate
