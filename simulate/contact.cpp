@@ -101,7 +101,7 @@ void Contact::linearise(const Positions& x) {
         state.normal = contact.gradient / length;
         if (!state.anchored) {
             state.anchored = true;
-            state.spring = std::min(stick_stiffness_ * points_[k].area, largest_friction(state) / longest_stick);
+            state.spring = stick_spring(points_[k], state.normal_force, 0.0);
             state.anchor_world = state.position;
             state.anchor = obstacle_.to_local(state.anchor_world, state.piece);
         }
@@ -117,6 +117,13 @@ double Contact::largest_friction(const State& state) const {
     return options_.friction * state.normal_force;
 }
 
+double Contact::stick_spring(const ContactPoint& point, double normal_force, double spring) const {
+    // The spring is left alone while the normal force only wavers: following it would couple the two, and the drape
+    // would creep instead of coming to rest.
+    const double wanted = std::min(stick_stiffness_ * point.area, options_.friction * normal_force / longest_stick);
+    return wanted > spring_tolerance * spring || spring_tolerance * wanted < spring ? wanted : spring;
+}
+
 void Contact::end_step(const Positions& x) {
     for (size_t k = 0; k < points_.size(); ++k) {
         State& state = state_[k];
@@ -124,10 +131,7 @@ void Contact::end_step(const Positions& x) {
         const Eigen::Vector3d p = position(x, points_[k]), slip = slip_of(state, p);
         const double length = slip.norm(), most = largest_friction(state);
         const double force = std::min(state.spring * length, most);
-        // The spring is left alone while the normal force only wavers: following it would couple the two, and the drape
-        // would creep instead of coming to rest.
-        const double wanted = std::min(stick_stiffness_ * points_[k].area, most / longest_stick);
-        if (wanted > spring_tolerance * state.spring || spring_tolerance * wanted < state.spring) state.spring = wanted;
+        state.spring = stick_spring(points_[k], state.normal_force, state.spring);
         // The normal part is dropped, so the anchor stays beside its point as the surface turns.
         state.anchor_world = p - (length > 0.0 && state.spring > 0.0 ? force / (state.spring * length) : 0.0) * slip;
         state.anchor = obstacle_.to_local(state.anchor_world, state.piece);

@@ -53,6 +53,15 @@ class Contact {
     int piece(int vertex) const { return state_[vertex].piece; }
     void set_piece(int vertex, int piece) { state_[vertex].piece = piece; }
 
+    /// What a solver needs that keeps anchors and normal forces itself.
+    const ContactOptions& options() const { return options_; }
+    double pressure() const { return pressure_; }  ///< where cloth touches [Pa]
+    const std::vector<ContactPoint>& points() const { return points_; }
+    const Obstacle& obstacle() const { return obstacle_; }
+    /// The spring that ties a sticking point to its anchor under a normal force [N] when it has been `spring` [N/m]
+    /// so far, 0 for a new anchor.
+    double stick_spring(const ContactPoint& point, double normal_force, double spring) const;
+
   private:
     struct State {
         int piece = -1;
