@@ -82,7 +82,7 @@ void print_drape(const simulate::DrapeResult& result, const std::string& path) {
     say("  time             {:.2f} s: level set {:.2f}, contact {:.2f}, assembly {:.2f}, factor {:.2f}, certificate "
         "{:.2f}",
         c.seconds, r.level_set_seconds, r.contact_seconds, r.assembly_seconds, r.factor_seconds, r.certificate_seconds);
-    say("  iterations       {} Newton, {} path steps, {} level sets", r.newton_iterations, r.path_steps, r.level_sets);
+    say("  iterations       {} solver, {} path steps, {} level sets", r.iterations, r.path_steps, r.level_sets);
 }
 
 }  // namespace toile::app

@@ -38,7 +38,7 @@ struct DrapeScene {
 struct DrapeReport {
     double level_set_seconds = 0, contact_seconds = 0, assembly_seconds = 0, factor_seconds = 0,
            line_search_seconds = 0, certificate_seconds = 0;
-    int path_steps = 0, level_sets = 0, newton_iterations = 0, line_search_halvings = 0;
+    int path_steps = 0, level_sets = 0, iterations = 0, line_search_halvings = 0;
 };
 
 struct DrapeResult {

@@ -5,8 +5,8 @@
 
 #include "simulate/drape.h"
 #include "simulate/drape_model.h"
-#include "simulate/implicit_step.h"
 #include "simulate/obstacle.h"
+#include "simulate/solver.h"
 
 namespace toile::simulate {
 
@@ -26,11 +26,9 @@ class DrapeRun {
 
   private:
     void add_contact(const Obstacle& obstacle);
-    void begin_step();
-    void end_step();
+    void tie_to_body(const Positions& x, const skin::Pose& neutral);
     double relative_residual();
     void carry_with_body();
-    double measure_speed();
     double penetration() const;
     DrapeStatus judge(const Certificate& certificate) const;
 
@@ -39,9 +37,9 @@ class DrapeRun {
     std::unique_ptr<CollisionBody> body_;
     std::vector<std::unique_ptr<Obstacle>> solids_;
     std::vector<std::unique_ptr<Contact>> contacts_;
-    std::unique_ptr<ImplicitStep> step_;
-    Positions x_, carried_, inertial_, velocity_;
     DrapeReport report_;
+    std::unique_ptr<Solver> solver_;
+    Positions carried_;
 };
 
 }  // namespace toile::simulate

@@ -102,7 +102,7 @@ double ImplicitStep::lengthen(const Target& target, const Positions& x, double s
 
 ImplicitStep::Iteration ImplicitStep::iterate(const Target& target, Positions& x, DrapeReport& report) {
     constexpr Iteration failed{most_halvings, 0.0, 0.0};
-    ++report.newton_iterations;
+    ++report.iterations;
     const double inertia = 1.0 / (target.time_step * target.time_step) + damping_ / target.time_step;
     {
         const Stopwatch watch(report.contact_seconds);

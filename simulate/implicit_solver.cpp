@@ -1,0 +1,80 @@
+#include "simulate/implicit_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulate/stopwatch.h"
+
+namespace toile::simulate {
+namespace {
+
+/// Range of the pseudo time step while the cloth settles [s]; the upper end is statics.
+constexpr double shortest_time_step = 1e-3, longest_time_step = 1e3;
+
+}  // namespace
+
+ImplicitSolver::ImplicitSolver(const DrapeModel& model, const std::vector<Contact*>& contacts, DrapeReport& report)
+    : model_(model),
+      contacts_(contacts),
+      report_(report),
+      step_(model.scene.mesh, model.elasticity, model.symbolic, model.scene.pinned, contacts,
+            model.scene.solver.damping) {}
+
+void ImplicitSolver::start(const Positions& x) {
+    x_ = x;
+    velocity_ = Positions::Zero(x.rows(), 3);
+    time_step_ = model_.scene.solver.time_step;
+    begin_step();
+}
+
+void ImplicitSolver::begin_step() {
+    const Stopwatch watch(report_.contact_seconds);
+    for (Contact* contact : contacts_) contact->begin_step(x_);
+}
+
+void ImplicitSolver::end_step() {
+    const Stopwatch watch(report_.contact_seconds);
+    for (Contact* contact : contacts_) contact->end_step(x_);
+}
+
+void ImplicitSolver::follow(const Positions& carried) {
+    const double h = model_.scene.solver.time_step;
+    x_ = carried;
+    inertial_ = carried + h * velocity_;
+    begin_step();
+    const ImplicitStep::Target target{&carried, &inertial_, h};
+    for (int iteration = 0; iteration < model_.scene.schedule.path_iterations; ++iteration) {
+        const ImplicitStep::Iteration done = step_.iterate(target, x_, report_);
+        if (done.largest_move < model_.scene.schedule.path_tolerance) break;
+    }
+    velocity_ = (x_ - carried) / h;
+    end_step();
+    begin_step();
+    time_step_ = h;
+}
+
+void ImplicitSolver::settle() {
+    before_ = x_;
+    const ImplicitStep::Target target{&before_, &before_, time_step_};
+    const ImplicitStep::Iteration done = step_.iterate(target, x_, report_);
+    end_step();
+    if (done.halvings == 0) time_step_ = std::min(2.0 * time_step_, longest_time_step);
+    if (done.halvings > 1) time_step_ = std::max(0.5 * time_step_, shortest_time_step);
+}
+
+double ImplicitSolver::residual_force() {
+    const Stopwatch watch(report_.contact_seconds);
+    return step_.static_residual(x_);
+}
+
+double ImplicitSolver::largest_speed() {
+    const double h = model_.scene.solver.time_step;
+    before_ = x_;
+    Positions next = x_;
+    const ImplicitStep::Target target{&before_, &before_, h};
+    DrapeReport unreported;
+    step_.iterate(target, next, unreported);
+    return std::sqrt((next - before_).rowwise().squaredNorm().maxCoeff()) / h;
+}
+
+}  // namespace toile::simulate

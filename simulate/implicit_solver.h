@@ -1,0 +1,34 @@
+#pragma once
+
+#include "simulate/drape_model.h"
+#include "simulate/implicit_step.h"
+#include "simulate/solver.h"
+
+namespace toile::simulate {
+
+/// `implicit`: implicit Euler steps along the path, a few Newton iterations each; then pseudo-transient continuation,
+/// one Newton iteration a step, whose time step grows up to statics.
+class ImplicitSolver final : public Solver {
+  public:
+    ImplicitSolver(const DrapeModel& model, const std::vector<Contact*>& contacts, DrapeReport& report);
+
+    void start(const Positions& x) override;
+    void follow(const Positions& carried) override;
+    void settle() override;
+    const Positions& position() const override { return x_; }
+    double residual_force() override;
+    double largest_speed() override;
+
+  private:
+    void begin_step();
+    void end_step();
+
+    const DrapeModel& model_;
+    std::vector<Contact*> contacts_;
+    DrapeReport& report_;
+    ImplicitStep step_;
+    Positions x_, inertial_, velocity_, before_;
+    double time_step_ = 0.0;  ///< of the next settling step [s]
+};
+
+}  // namespace toile::simulate

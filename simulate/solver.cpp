@@ -1,0 +1,15 @@
+#include "simulate/solver.h"
+
+#include "cloth/error.h"
+#include "simulate/implicit_solver.h"
+
+namespace toile::simulate {
+
+std::unique_ptr<Solver> make_solver(const DrapeModel& model, const std::vector<Contact*>& contacts,
+                                    DrapeReport& report) {
+    const std::string& name = model.scene.solver.solver;
+    if (name == "implicit") return std::make_unique<ImplicitSolver>(model, contacts, report);
+    throw Error("there is no solver \"" + name + "\"");
+}
+
+}  // namespace toile::simulate
