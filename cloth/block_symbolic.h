@@ -14,8 +14,10 @@ namespace toile {
 /// the pairs (i, j), i > j, in lexicographic order of (j, i). The result depends on nothing but the graph.
 class BlockSymbolic {
   public:
+    /// How the vertices are ordered: for little fill, or quickly (`order_vertices_fast`).
+    enum class Ordering { thorough, fast };
     /// `pairs` are vertex pairs in any order, repeated as they come. Throws Error if one is out of range.
-    BlockSymbolic(int vertex_count, std::vector<std::pair<int, int>> pairs);
+    BlockSymbolic(int vertex_count, std::vector<std::pair<int, int>> pairs, Ordering ordering = Ordering::thorough);
 
     int vertex_count() const { return vertex_count_; }
     /// Number of slots: vertices + pairs.
@@ -65,7 +67,7 @@ class BlockSymbolic {
     static constexpr int max_width = 20;
 
   private:
-    void find_supernodes();
+    void find_supernodes(Ordering ordering);
     void add_supernodes(int begin, int width, const std::vector<int>& rows);
     void list_entries();
     void list_updates();
