@@ -48,6 +48,10 @@ struct DrapeResult {
     DrapeReport report;
 };
 
+/// Told of a drape's energy (`Solver::energy`) before each step towards rest, the solids standing still. `first` where
+/// the cloth sets out towards rest, again at each try.
+using EnergyWatch = std::function<void(double energy, bool first)>;
+
 struct DrapeModel;
 
 /// Drapes one garment on one body, pose after pose. Construction does what all poses share (stencils, sparsity,
@@ -59,9 +63,9 @@ class Draper {
 
     /// From `scene.mesh.rest_position` to rest in the neutral pose. `position` of the result is what `drape` starts
     /// from.
-    DrapeResult drape_neutral() const;
+    DrapeResult drape_neutral(const EnergyWatch& watch = {}) const;
     /// From the neutral drape along interpolated poses to `pose`, and on until it rests.
-    DrapeResult drape(const Positions& neutral_drape, const skin::Pose& pose) const;
+    DrapeResult drape(const Positions& neutral_drape, const skin::Pose& pose, const EnergyWatch& watch = {}) const;
 
   private:
     std::unique_ptr<const DrapeModel> model_;

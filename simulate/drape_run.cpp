@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "simulate/certificate.h"
 #include "simulate/self_intersection.h"
@@ -65,10 +66,12 @@ void DrapeRun::follow(const skin::Pose& from, const skin::Pose& to) {
     }
 }
 
-void DrapeRun::settle() {
+void DrapeRun::settle(const EnergyWatch& watch) {
+    bool first = true;
     double target_residual = scene_.solver.residual_tolerance;
     while (report_.iterations < scene_.solver.max_iterations) {
         const double residual = relative_residual();
+        if (watch) watch(solver_->energy(), std::exchange(first, false));
         if (!std::isfinite(residual)) return;
         if (residual <= target_residual) {
             if (solver_->largest_speed() <= scene_.solver.speed_tolerance) return;

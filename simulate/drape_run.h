@@ -20,7 +20,7 @@ class DrapeRun {
     /// Follows the body along interpolated poses, carried by it, with inertia.
     void follow(const skin::Pose& from, const skin::Pose& to);
     /// Comes to rest where the body is now.
-    void settle();
+    void settle(const EnergyWatch& watch = {});
     /// Certificate, status and report.
     DrapeResult finish();
 

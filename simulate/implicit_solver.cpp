@@ -67,6 +67,12 @@ double ImplicitSolver::residual_force() {
     return step_.static_residual(x_);
 }
 
+double ImplicitSolver::energy() const {
+    double energy = model_.elasticity.energy(x_);
+    for (const Contact* contact : contacts_) energy += contact->energy(x_);
+    return energy;
+}
+
 double ImplicitSolver::largest_speed() {
     const double h = model_.scene.solver.time_step;
     before_ = x_;

@@ -18,6 +18,7 @@ class ImplicitSolver final : public Solver {
     const Positions& position() const override { return x_; }
     double residual_force() override;
     double largest_speed() override;
+    double energy() const override;
 
   private:
     void begin_step();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -31,6 +32,9 @@ class Solver {
     virtual double residual_force() = 0;
     /// The largest speed with which a vertex would set out from where it is now [m/s].
     virtual double largest_speed() = 0;
+    /// Potential and kinetic energy of the cloth where it is now [J]: what a step towards rest must not raise. NaN
+    /// where a solver's forces have no energy.
+    virtual double energy() const { return std::numeric_limits<double>::quiet_NaN(); }
 };
 
 /// The solver that `model.scene.solver.solver` names. Model, contacts and report must outlive it.
