@@ -4,65 +4,95 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cloth/squeeze.h"
+#include "cloth/tension_field.h"
+
 namespace toile {
 namespace {
 
-struct Strain {
-    Eigen::Matrix<double, 3, 2> deformation;  // F
-    Eigen::Vector3d green;                    // ε_uu, ε_vv, 2 ε_uv
-    Eigen::Vector3d stress;                   // second Piola-Kirchhoff: S_uu, S_vv, S_uv
+/// β of cloth/squeeze.h over the larger of the two axes' stiffnesses.
+constexpr double squeeze_ratio = 2.0;
+
+/// What a triangle's strain answers, per unit of pattern area.
+struct Response {
+    Deformation deformation;  // F
+    double energy;
+    Eigen::Vector3d stress;   // second Piola-Kirchhoff: S_uu, S_vv, S_uv, without the squeeze
+    Eigen::Matrix3d tangent;  // ∂S/∂(ε_uu, ε_vv, 2 ε_uv); set where it was asked for
+    bool squeezed;
 };
 
-Eigen::Matrix3d stiffness_matrix(const MembraneStiffness& c) {
-    Eigen::Matrix3d matrix;
-    matrix << c.uu, c.uv, 0, c.uv, c.vv, 0, 0, 0, c.shear;
-    return matrix;
-}
-
-Strain strain_of(const MembraneStencil& stencil, const MembraneStiffness& c, const TrianglePositions& x) {
-    Strain s;
-    s.deformation = x * stencil.corner_gradient;
-    const Eigen::Vector3d fu = s.deformation.col(0), fv = s.deformation.col(1);
-    s.green << 0.5 * (fu.squaredNorm() - 1.0), 0.5 * (fv.squaredNorm() - 1.0), fu.dot(fv);
-    s.stress << c.uu * s.green[0] + c.uv * s.green[1], c.uv * s.green[0] + c.vv * s.green[1], c.shear * s.green[2];
-    return s;
-}
-
-/// The positive semidefinite part of the symmetric matrix (a, b, c) = [[a, c], [c, b]].
-Eigen::Matrix2d positive_part(double a, double b, double c) {
-    const double mean = 0.5 * (a + b), radius = std::hypot(0.5 * (a - b), c);
-    Eigen::Matrix2d matrix;
-    matrix << a, c, c, b;
-    if (mean - radius >= 0.0) return matrix;
-    if (mean + radius <= 0.0) return Eigen::Matrix2d::Zero();
-    // One eigenvalue of each sign: keep λ₊ times the projector (A − λ₋ I) / (λ₊ − λ₋).
-    return (mean + radius) / (2.0 * radius) * (matrix - (mean - radius) * Eigen::Matrix2d::Identity());
-}
-
-TriangleHessian hessian_with_geometric_stress(const MembraneStencil& stencil, const MembraneStiffness& c,
-                                              const Strain& s, const Eigen::Matrix2d& geometric_stress) {
-    // B maps corner motions to strain rates (ε_uu, ε_vv, 2 ε_uv).
-    Eigen::Matrix<double, 3, 9> strain_rate;
-    const Eigen::RowVector3d fu = s.deformation.col(0).transpose(), fv = s.deformation.col(1).transpose();
-    for (int i = 0; i < 3; ++i) {
-        const double gu = stencil.corner_gradient(i, 0), gv = stencil.corner_gradient(i, 1);
-        strain_rate.block<1, 3>(0, 3 * i) = gu * fu;
-        strain_rate.block<1, 3>(1, 3 * i) = gv * fv;
-        strain_rate.block<1, 3>(2, 3 * i) = gu * fv + gv * fu;
+Response respond(const MembraneStencil& stencil, const MembraneStiffness& c, const TrianglePositions& x,
+                 bool with_tangent) {
+    Response r;
+    // The corners' gradients add up to zero, so differences will do.
+    const Eigen::Vector3d first = x.col(1) - x.col(0), second = x.col(2) - x.col(0);
+    const auto& g = stencil.corner_gradient;
+    r.deformation.col(0) = g(1, 0) * first + g(2, 0) * second;
+    r.deformation.col(1) = g(1, 1) * first + g(2, 1) * second;
+    const Eigen::Vector3d fu = r.deformation.col(0), fv = r.deformation.col(1);
+    const Eigen::Vector3d green(0.5 * (fu.squaredNorm() - 1.0), 0.5 * (fv.squaredNorm() - 1.0), fu.dot(fv));
+    if (c.compression == Compression::tension_field) {
+        const TensionField field = tension_field(c, green);
+        r.energy = field.energy;
+        r.stress = field.stress;
+        r.tangent = field.tangent;
+        r.squeezed = false;
+        return r;
     }
-    TriangleHessian hessian = strain_rate.transpose() * (stiffness_matrix(c) * strain_rate);
-    const Eigen::Matrix3d geometric = stencil.corner_gradient * geometric_stress * stencil.corner_gradient.transpose();
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-            for (int axis = 0; axis < 3; ++axis) hessian(3 * i + axis, 3 * j + axis) += geometric(i, j);
-    return stencil.area * hessian;
+    r.stress << c.uu * green[0] + c.uv * green[1], c.uv * green[0] + c.vv * green[1], c.shear * green[2];
+    r.energy = 0.5 * green.dot(r.stress);
+    if (with_tangent) r.tangent << c.uu, c.uv, 0, c.uv, c.vv, 0, 0, 0, c.shear;
+    r.squeezed = Squeeze::acts(r.deformation);
+    return r;
+}
+
+Squeeze squeeze_of(const Response& r, const MembraneStiffness& c) {
+    return Squeeze(r.deformation, squeeze_ratio * std::max(c.uu, c.vv));
+}
+
+/// The positive semidefinite part of the symmetric matrix (a, b, c) = [[a, c], [c, b]], in the same order.
+Eigen::Vector3d positive_part(const Eigen::Vector3d& s) {
+    const double mean = 0.5 * (s[0] + s[1]), half = 0.5 * (s[0] - s[1]);
+    const double radius = std::sqrt(half * half + s[2] * s[2]);
+    if (mean - radius >= 0.0) return s;
+    if (mean + radius <= 0.0) return Eigen::Vector3d::Zero();
+    // One eigenvalue of each sign: keep λ₊ times the projector (A − λ₋ I) / (λ₊ − λ₋).
+    const double share = (mean + radius) / (2.0 * radius), lower = mean - radius;
+    return {share * (s[0] - lower), share * (s[1] - lower), share * s[2]};
+}
+
+/// area (Bᵀ T B + geometric stress), where B maps corner motions to rates of (ε_uu, ε_vv, 2 ε_uv): a sum of the four
+/// outer products of f_u and f_v, one factor for each pair of corners.
+TriangleHessian assemble(const MembraneStencil& stencil, const Response& r, const Eigen::Vector3d& stress) {
+    const Eigen::Vector3d fu = r.deformation.col(0), fv = r.deformation.col(1);
+    const Eigen::Matrix3d uu = fu * fu.transpose(), vv = fv * fv.transpose(), uv = fu * fv.transpose();
+    TriangleHessian hessian;
+    for (int i = 0; i < 3; ++i) {
+        const double ui = stencil.area * stencil.corner_gradient(i, 0),
+                     vi = stencil.area * stencil.corner_gradient(i, 1);
+        const Eigen::RowVector3d from_u = ui * r.tangent.row(0) + vi * r.tangent.row(2);
+        const Eigen::RowVector3d from_v = vi * r.tangent.row(1) + ui * r.tangent.row(2);
+        for (int j = 0; j <= i; ++j) {
+            const double uj = stencil.corner_gradient(j, 0), vj = stencil.corner_gradient(j, 1);
+            const double on_uu = from_u[0] * uj + from_u[2] * vj, on_uv = from_u[1] * vj + from_u[2] * uj;
+            const double on_vu = from_v[0] * uj + from_v[2] * vj, on_vv = from_v[1] * vj + from_v[2] * uj;
+            const double geometric = ui * (stress[0] * uj + stress[2] * vj) + vi * (stress[2] * uj + stress[1] * vj);
+            Eigen::Matrix3d block = on_uu * uu + on_vv * vv + on_uv * uv + on_vu * uv.transpose();
+            block.diagonal().array() += geometric;
+            hessian.block<3, 3>(3 * i, 3 * j) = block;
+            if (i != j) hessian.block<3, 3>(3 * j, 3 * i) = block.transpose();
+        }
+    }
+    return hessian;
 }
 
 }  // namespace
 
-MembraneStiffness MembraneStiffness::from_moduli(double weft, double warp, double shear, double poisson_ratio) {
+MembraneStiffness MembraneStiffness::from_moduli(double weft, double warp, double shear, double poisson_ratio,
+                                                 Compression compression) {
     const double scale = 1.0 / (1.0 - poisson_ratio * poisson_ratio);
-    return {weft * scale, warp * scale, poisson_ratio * std::sqrt(weft * warp) * scale, shear};
+    return {weft * scale, warp * scale, poisson_ratio * std::sqrt(weft * warp) * scale, shear, compression};
 }
 
 MembraneStencil membrane_stencil(const ClothMesh& mesh, int triangle) {
@@ -81,33 +111,40 @@ MembraneStencil membrane_stencil(const ClothMesh& mesh, int triangle) {
 }
 
 double membrane_energy(const MembraneStencil& stencil, const MembraneStiffness& stiffness, const TrianglePositions& x) {
-    const Strain s = strain_of(stencil, stiffness, x);
-    return 0.5 * stencil.area * s.green.dot(s.stress);
+    const Response r = respond(stencil, stiffness, x, false);
+    const double squeeze = r.squeezed ? squeeze_of(r, stiffness).energy() : 0.0;
+    return stencil.area * (r.energy + squeeze);
 }
 
 TriangleGradient membrane_gradient(const MembraneStencil& stencil, const MembraneStiffness& stiffness,
                                    const TrianglePositions& x) {
-    const Strain s = strain_of(stencil, stiffness, x);
-    Eigen::Matrix2d stress;
-    stress << s.stress[0], s.stress[2], s.stress[2], s.stress[1];
+    const Response r = respond(stencil, stiffness, x, false);
+    Deformation first_piola;  // F S
+    first_piola.col(0) = r.stress[0] * r.deformation.col(0) + r.stress[2] * r.deformation.col(1);
+    first_piola.col(1) = r.stress[2] * r.deformation.col(0) + r.stress[1] * r.deformation.col(1);
+    if (r.squeezed) first_piola += squeeze_of(r, stiffness).stress();
     TriangleGradient gradient;
-    Eigen::Map<Eigen::Matrix3d>(gradient.data()) =
-        stencil.area * s.deformation * stress * stencil.corner_gradient.transpose();
+    for (int i = 1; i < 3; ++i)
+        gradient.segment<3>(3 * i) = stencil.area * (stencil.corner_gradient(i, 0) * first_piola.col(0) +
+                                                     stencil.corner_gradient(i, 1) * first_piola.col(1));
+    gradient.segment<3>(0) = -gradient.segment<3>(3) - gradient.segment<3>(6);
     return gradient;
 }
 
 TriangleHessian membrane_hessian(const MembraneStencil& stencil, const MembraneStiffness& stiffness,
                                  const TrianglePositions& x) {
-    const Strain s = strain_of(stencil, stiffness, x);
-    Eigen::Matrix2d stress;
-    stress << s.stress[0], s.stress[2], s.stress[2], s.stress[1];
-    return hessian_with_geometric_stress(stencil, stiffness, s, stress);
+    const Response r = respond(stencil, stiffness, x, true);
+    TriangleHessian hessian = assemble(stencil, r, r.stress);
+    if (r.squeezed) squeeze_of(r, stiffness).add_hessian(stencil.corner_gradient, stencil.area, false, hessian);
+    return hessian;
 }
 
 TriangleHessian membrane_projected_hessian(const MembraneStencil& stencil, const MembraneStiffness& stiffness,
                                            const TrianglePositions& x) {
-    const Strain s = strain_of(stencil, stiffness, x);
-    return hessian_with_geometric_stress(stencil, stiffness, s, positive_part(s.stress[0], s.stress[1], s.stress[2]));
+    const Response r = respond(stencil, stiffness, x, true);
+    TriangleHessian hessian = assemble(stencil, r, positive_part(r.stress));
+    if (r.squeezed) squeeze_of(r, stiffness).add_hessian(stencil.corner_gradient, stencil.area, true, hessian);
+    return hessian;
 }
 
 }  // namespace toile

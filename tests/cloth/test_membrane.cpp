@@ -3,25 +3,17 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
-#include "cloth/membrane.h"
+#include "tests/cloth/one_triangle.h"
 #include "tests/support/derivative_checker.h"
 
 namespace toile {
 namespace {
 
-const MembraneStiffness jersey = MembraneStiffness::from_moduli(300.0, 500.0, 120.0, 0.3);
+using test::columns;
+using test::flat;
+using test::one_triangle;
 
-ClothMesh one_triangle() {
-    ClothMesh mesh;
-    mesh.triangle.resize(1, 3);
-    mesh.triangle << 0, 1, 2;
-    mesh.pattern_triangle = mesh.triangle;
-    mesh.pattern_position.resize(3, 2);
-    mesh.pattern_position << 0.1, 0.2, 0.13, 0.21, 0.11, 0.24;
-    mesh.rest_position.resize(3, 3);
-    for (int v = 0; v < 3; ++v) mesh.rest_position.row(v) << mesh.pattern_position.row(v), 0.0;
-    return mesh;
-}
+const MembraneStiffness jersey = MembraneStiffness::from_moduli(300.0, 500.0, 120.0, 0.3);
 
 /// Stretched, compressed and inverted corners, all of them sheared and turned out of the plane.
 std::vector<TrianglePositions> deformed() {
@@ -31,13 +23,6 @@ std::vector<TrianglePositions> deformed() {
     squeeze << 0.6, 0.1, 0, -0.1, 0.7, 0, 0.2, -0.1, 1;
     Eigen::Matrix3d mirror = Eigen::Vector3d(-0.9, 1.1, 1.0).asDiagonal();
     return {stretch * rest, squeeze * rest, mirror * rest};
-}
-
-Eigen::VectorXd flat(const TrianglePositions& x) {
-    return Eigen::Map<const Eigen::VectorXd>(x.data(), 9);
-}
-TrianglePositions columns(const Eigen::VectorXd& x) {
-    return Eigen::Map<const Eigen::Matrix3d>(x.data());
 }
 
 TEST(Membrane, RestAndRigidMotionCostNothing) {
