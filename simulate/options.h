@@ -34,15 +34,23 @@ struct PinOptions {
     std::string corners;      ///< "" or "top": the two upper corners of a patch's pattern
 };
 
+/// What `xpbd` has of its own.
+struct XpbdOptions {
+    int substeps = 20;        ///< small steps in one time step, 1 to 10000
+    int iterations = 1;       ///< sweeps over all constraints in a small step, 1 to 1000
+    bool keep_forces = true;  ///< a step starts from the last one's forces: rest is then exact whatever the step
+};
+
 /// The integrator and what "at rest" means.
 struct SolverOptions {
-    std::string solver = "implicit";              ///< the only one so far
+    std::string solver = "implicit";              ///< "implicit" or "xpbd"
     double time_step = 0.033;                     ///< while the cloth moves [s], 0.0001 to 0.2
     double damping = 2.0;                         ///< mass-proportional, relative to the moving body [1/s], 0 to 1000
     Eigen::Vector3d gravity = {0.0, -9.81, 0.0};  ///< [m/s^2]
     double residual_tolerance = 5e-4;             ///< residual force over the garment's weight, 1e-9 to 0.1
     double speed_tolerance = 0.001;               ///< largest vertex speed at rest [m/s]
     int max_iterations = 1000;                    ///< Newton iterations for one drape
+    XpbdOptions xpbd;
 };
 
 /// The way from the neutral drape to a pose.

@@ -2,6 +2,7 @@
 
 #include "cloth/error.h"
 #include "simulate/implicit_solver.h"
+#include "simulate/xpbd_solver.h"
 
 namespace toile::simulate {
 
@@ -9,6 +10,7 @@ std::unique_ptr<Solver> make_solver(const DrapeModel& model, const std::vector<C
                                     DrapeReport& report) {
     const std::string& name = model.scene.solver.solver;
     if (name == "implicit") return std::make_unique<ImplicitSolver>(model, contacts, report);
+    if (name == "xpbd") return std::make_unique<XpbdSolver>(model, contacts, report);
     throw Error("there is no solver \"" + name + "\"");
 }
 

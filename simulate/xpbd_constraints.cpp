@@ -1,0 +1,168 @@
+#include "simulate/xpbd_constraints.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+
+namespace toile::simulate {
+namespace {
+
+/// A side of a triangle that is squeezed below this share of its length counts as that long where a step is sized: its
+/// strain's gradient vanishes, and Newton's step would throw its ends apart.
+constexpr double shortest_stretch = 0.5;
+/// Largest q/m times a triangle's geometric stiffness up to which its force may keep the direction of the step's start.
+/// An explicit force is stable up to 4; a vertex has six triangles.
+constexpr double largest_lagged_force = 0.2;
+
+using Deformation = Eigen::Matrix<double, 3, 2>;
+
+template <class Block>
+Deformation deformation_of(const Block& block, const Positions& x) {
+    Deformation f = Deformation::Zero();
+    for (int i = 0; i < 3; ++i) f += x.row(block.vertex[i]).transpose() * block.stencil.corner_gradient.row(i);
+    return f;
+}
+
+/// Columns: the membrane's force flux through the pattern's u and v, F S with S = (uu, vv, uv).
+Deformation flux_of(const Deformation& f, const Eigen::RowVector3d& s) {
+    Deformation flux;
+    flux.col(0) = s[0] * f.col(0) + s[2] * f.col(1);
+    flux.col(1) = s[2] * f.col(0) + s[1] * f.col(1);
+    return flux;
+}
+
+/// G = J M⁻¹ Jᵀ for the strains (uu, vv, 2uv), from g = Σ (1/m) ∇N ∇Nᵀ.
+Eigen::Matrix3d strain_mobility(const Deformation& f, const Eigen::Matrix2d& g) {
+    constexpr double least = shortest_stretch * shortest_stretch;
+    const double uu = std::max(f.col(0).squaredNorm(), least), vv = std::max(f.col(1).squaredNorm(), least),
+                 uv = f.col(0).dot(f.col(1));
+    Eigen::Matrix3d mobility;
+    mobility(0, 0) = g(0, 0) * uu;
+    mobility(1, 1) = g(1, 1) * vv;
+    mobility(2, 2) = g(0, 0) * vv + g(1, 1) * uu + 2.0 * g(0, 1) * uv;
+    mobility(0, 1) = mobility(1, 0) = g(0, 1) * uv;
+    mobility(0, 2) = mobility(2, 0) = g(0, 0) * uv + g(0, 1) * uu;
+    mobility(1, 2) = mobility(2, 1) = g(0, 1) * vv + g(1, 1) * uv;
+    return mobility;
+}
+
+Eigen::Matrix2d weighted_gradients(const XpbdMobility& mobility, const int (&vertex)[3],
+                                   const Eigen::Matrix<double, 3, 2>& gradient) {
+    Eigen::Matrix2d weighted = Eigen::Matrix2d::Zero();
+    for (int i = 0; i < 3; ++i)
+        weighted += mobility.inverse_mass[vertex[i]] * gradient.row(i).transpose() * gradient.row(i);
+    return weighted;
+}
+
+Eigen::Matrix3d stiffness_matrix(const MembraneStiffness& c) {
+    Eigen::Matrix3d matrix;
+    matrix << c.uu, c.uv, 0, c.uv, c.vv, 0, 0, 0, c.shear;
+    return matrix;
+}
+
+}  // namespace
+
+XpbdConstraints::XpbdConstraints(const ClothMesh& mesh, const Topology& topology, const MembraneOptions& membrane,
+                                 const std::optional<BendingOptions>& bending)
+    : stiffness_(MembraneStiffness::from_moduli(membrane.weft_stiffness, membrane.warp_stiffness,
+                                                membrane.shear_stiffness, membrane.poisson_ratio)) {
+    for (int f = 0; f < mesh.triangle_count(); ++f) {
+        const auto t = mesh.triangle.row(f);
+        triangle_.push_back({{t[0], t[1], t[2]}, membrane_stencil(mesh, f)});
+    }
+    if (!bending) return;
+    const auto hinges = build_hinges(topology, mesh.triangle);
+    int h = 0;
+    for (int e = 0; e < topology.edge.rows(); ++e) {
+        if (topology.edge_triangle(e, 1) < 0) continue;
+        const auto v = hinges.row(h++);
+        const BendingStencil stencil =
+            bending_stencil(mesh, v.transpose(), topology.edge_triangle(e, 0), topology.edge_triangle(e, 1));
+        Hinge& hinge = hinge_.emplace_back();
+        for (int i = 0; i < 4; ++i) {
+            hinge.vertex[i] = v[i];
+            hinge.weight[i] = stencil.weight[i];
+        }
+        hinge.stiffness = bending->stiffness * stencil.scale;
+    }
+}
+
+XpbdForces XpbdConstraints::no_forces() const {
+    return {Positions::Zero(static_cast<int>(triangle_.size()), 3),
+            Positions::Zero(static_cast<int>(hinge_.size()), 3)};
+}
+
+void XpbdConstraints::add_forces(const Positions& start, const XpbdForces& forces, Positions& total) const {
+    for (size_t k = 0; k < triangle_.size(); ++k) {
+        const Triangle& triangle = triangle_[k];
+        const Deformation flux = flux_of(deformation_of(triangle, start), forces.membrane.row(k));
+        for (int i = 0; i < 3; ++i)
+            total.row(triangle.vertex[i]) -= (flux * triangle.stencil.corner_gradient.row(i).transpose()).transpose();
+    }
+    for (size_t k = 0; k < hinge_.size(); ++k)
+        for (int i = 0; i < 4; ++i) total.row(hinge_[k].vertex[i]) -= hinge_[k].weight[i] * forces.bending.row(k);
+}
+
+void XpbdConstraints::sweep_triangle(const XpbdMobility& mobility, const Triangle& triangle, const Positions& start,
+                                     Eigen::Ref<Eigen::RowVector3d> force, Positions& x) const {
+    const double q = mobility.squared_time;
+    const auto& gradient = triangle.stencil.corner_gradient;
+    const Deformation now = deformation_of(triangle, x), begun = deformation_of(triangle, start);
+    const Eigen::Vector3d strain(0.5 * (now.col(0).squaredNorm() - 1.0), 0.5 * (now.col(1).squaredNorm() - 1.0),
+                                 now.col(0).dot(now.col(1)));
+    const Eigen::Matrix2d weighted = weighted_gradients(mobility, triangle.vertex, gradient);
+    const Eigen::Matrix3d tangent = triangle.stencil.area * stiffness_matrix(stiffness_);
+    const Eigen::Vector3d lacking = tangent * strain - force.transpose();
+    const auto change_along = [&](const Deformation& f) -> Eigen::RowVector3d {
+        const Eigen::Matrix3d system = Eigen::Matrix3d::Identity() + q * tangent * strain_mobility(f, weighted);
+        return (system.inverse() * lacking).transpose();
+    };
+    const Deformation* along = &begun;
+    Eigen::RowVector3d change = change_along(begun);
+    if (q * weighted.trace() * (force + change).cwiseAbs().maxCoeff() > largest_lagged_force) {
+        along = &now;
+        change = change_along(now);
+    }
+    force += change;
+    const Deformation flux = flux_of(*along, change);
+    for (int i = 0; i < 3; ++i)
+        x.row(triangle.vertex[i]) -=
+            q * mobility.inverse_mass[triangle.vertex[i]] * (flux * gradient.row(i).transpose()).transpose();
+}
+
+double XpbdConstraints::bound_forces(const XpbdMobility& mobility, XpbdForces& forces) const {
+    double largest = 0.0;
+    for (size_t k = 0; k < triangle_.size(); ++k) {
+        const Triangle& triangle = triangle_[k];
+        const double lagged = mobility.squared_time *
+                              weighted_gradients(mobility, triangle.vertex, triangle.stencil.corner_gradient).trace() *
+                              forces.membrane.row(k).cwiseAbs().maxCoeff();
+        if (lagged > largest_lagged_force) forces.membrane.row(k) *= largest_lagged_force / lagged;
+        largest = std::max(largest, lagged / largest_lagged_force);
+    }
+    return largest;
+}
+
+void XpbdConstraints::sweep_hinge(const XpbdMobility& mobility, const Hinge& hinge,
+                                  Eigen::Ref<Eigen::RowVector3d> force, Positions& x) {
+    Eigen::RowVector3d curvature = Eigen::RowVector3d::Zero();
+    double squared_weight = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        curvature += hinge.weight[i] * x.row(hinge.vertex[i]);
+        squared_weight += mobility.inverse_mass[hinge.vertex[i]] * hinge.weight[i] * hinge.weight[i];
+    }
+    const double q = mobility.squared_time;
+    const Eigen::RowVector3d change =
+        (hinge.stiffness * curvature - force) / (1.0 + q * hinge.stiffness * squared_weight);
+    force += change;
+    for (int i = 0; i < 4; ++i)
+        x.row(hinge.vertex[i]) -= q * mobility.inverse_mass[hinge.vertex[i]] * hinge.weight[i] * change;
+}
+
+void XpbdConstraints::sweep(const XpbdMobility& mobility, const Positions& start, XpbdForces& forces,
+                            Positions& x) const {
+    for (size_t k = 0; k < triangle_.size(); ++k)
+        sweep_triangle(mobility, triangle_[k], start, forces.membrane.row(k), x);
+    for (size_t k = 0; k < hinge_.size(); ++k) sweep_hinge(mobility, hinge_[k], forces.bending.row(k), x);
+}
+
+}  // namespace toile::simulate

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "cloth/bending.h"
+#include "cloth/cloth_mesh.h"
+#include "cloth/membrane.h"
+#include "cloth/topology.h"
+#include "simulate/material.h"
+
+namespace toile::simulate {
+
+/// The multipliers of elastic constraints as forces: at rest they are the stresses of the energy. Part of a state, so
+/// that a step starts from the forces of the one before.
+struct XpbdForces {
+    Positions membrane;  ///< `[F x 3]` pattern area times second Piola-Kirchhoff stress (uu, vv, uv) [N m]
+    Positions bending;   ///< `[H x 3]` along each hinge's Σ w x [N/m]
+};
+
+/// How a step of length h with damping α turns a force on a vertex into a move: q times its inverse mass.
+struct XpbdMobility {
+    double squared_time;                  ///< q = h² / (1 + α h) [s^2]
+    const Eigen::VectorXd& inverse_mass;  ///< `[V]` [1/kg], 0 where pinned
+};
+
+/// Membrane and bending energies as compliant constraints (Macklin, Müller, Chentanez 2016, "XPBD", eq. 18), one block
+/// for a triangle's three strains and one for a hinge's curvature vector. With ψ = A W(ε) the multiplier s of a block
+/// is to become A ∂W/∂ε; linearised, with J the gradient of ε, G = J M⁻¹ Jᵀ and D = A ∂²W/∂ε²,
+///
+///     (1 + q D G) Δs = A ∂W/∂ε(x) − s,        x ← x − q M⁻¹ Jᵀ Δs,
+///
+/// which for constant D is eq. 18 with compliance D⁻¹, and which also knows membranes that have no stiffness in some
+/// direction. J is taken where the step began, as in SHAKE: forces then have no torque about the positions they
+/// started from, so that a step keeps angular momentum to rounding; it is taken at x, as published, where a force is so
+/// large that a direction that lags by a step would not be stable.
+class XpbdConstraints {
+  public:
+    XpbdConstraints(const ClothMesh& mesh, const Topology& topology, const MembraneOptions& membrane,
+                    const std::optional<BendingOptions>& bending);
+
+    XpbdForces no_forces() const;
+    /// Scales down forces that are too large to be kept from one step to the next, whose direction then lags. Returns
+    /// the largest over what is allowed.
+    double bound_forces(const XpbdMobility& mobility, XpbdForces& forces) const;
+    /// Adds each block's −Jᵀ s to the forces on the vertices `[V x 3]` [N].
+    void add_forces(const Positions& start, const XpbdForces& forces, Positions& total) const;
+    /// One Gauss-Seidel sweep over all blocks in the order of their indices.
+    void sweep(const XpbdMobility& mobility, const Positions& start, XpbdForces& forces, Positions& x) const;
+
+  private:
+    struct Triangle {
+        int vertex[3];
+        MembraneStencil stencil;
+    };
+    struct Hinge {
+        int vertex[4];
+        double weight[4];
+        double stiffness;  // [N/m^...]: energy is half of it times |Σ w x|²
+    };
+    void sweep_triangle(const XpbdMobility& mobility, const Triangle& triangle, const Positions& start,
+                        Eigen::Ref<Eigen::RowVector3d> force, Positions& x) const;
+    static void sweep_hinge(const XpbdMobility& mobility, const Hinge& hinge, Eigen::Ref<Eigen::RowVector3d> force,
+                            Positions& x);
+
+    MembraneStiffness stiffness_;
+    std::vector<Triangle> triangle_;
+    std::vector<Hinge> hinge_;
+};
+
+}  // namespace toile::simulate

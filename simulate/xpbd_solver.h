@@ -1,0 +1,40 @@
+#pragma once
+
+#include "simulate/drape_model.h"
+#include "simulate/solver.h"
+#include "simulate/xpbd_step.h"
+
+namespace toile::simulate {
+
+/// `xpbd`: extended position-based dynamics with small steps (Macklin et al. 2016, 2019) on the energies of `implicit`,
+/// so that both come to rest in the same minima.
+///
+/// A path step is `xpbd.substeps` small steps. A settling step is one path step on the spot with kinetic damping
+/// (dynamic relaxation, Cundall 1976; Barnes 1999): where the kinetic energy has passed a peak the cloth is stopped,
+/// for there its energy is near a minimum along its way.
+class XpbdSolver final : public Solver {
+  public:
+    XpbdSolver(const DrapeModel& model, const std::vector<Contact*>& contacts, DrapeReport& report);
+
+    void start(const Positions& x) override;
+    void follow(const Positions& carried) override;
+    void settle() override;
+    const Positions& position() const override { return state_.position; }
+    double residual_force() override;
+    double largest_speed() override;
+
+  private:
+    void tie(bool solids_moved);
+    void keep_anchors();
+    double kinetic_energy() const;
+
+    const DrapeModel& model_;
+    std::vector<Contact*> contacts_;
+    DrapeReport& report_;
+    XpbdSystem system_;
+    XpbdParameters parameters_;
+    XpbdState state_;
+    double kinetic_energy_ = 0.0;  ///< after the last small step while settling [J]
+};
+
+}  // namespace toile::simulate

@@ -1,0 +1,64 @@
+#include "simulate/xpbd_step.h"
+
+#include <cmath>
+
+namespace toile::simulate {
+namespace {
+
+void forget_forces(const XpbdSystem& system, XpbdState& state) {
+    state.forces = system.constraints.no_forces();
+    for (auto& touches : state.touches) {
+        for (XpbdTouch& touch : touches) {
+            touch.pressing = 0.0;
+            touch.friction.setZero();
+        }
+    }
+}
+
+void bound_moves(const Positions& start, double largest, Positions& x) {
+    for (int v = 0; v < x.rows(); ++v) {
+        const double length = (x.row(v) - start.row(v)).norm();
+        if (length > largest) x.row(v) = start.row(v) + largest / length * (x.row(v) - start.row(v));
+    }
+}
+
+}  // namespace
+
+XpbdState XpbdSystem::state_at(const Positions& x) const {
+    XpbdState state{x, Positions::Zero(x.rows(), 3), constraints.no_forces(), {}};
+    for (const XpbdContact& contact : contacts) state.touches.push_back(contact.no_touches());
+    return state;
+}
+
+XpbdState xpbd_step(const XpbdSystem& system, const XpbdParameters& parameters, XpbdState state) {
+    const double h = parameters.time_step, drag = 1.0 + parameters.damping * h;
+    const XpbdMobility mobility{h * h / drag, system.inverse_mass};
+    if (!parameters.keep_forces) forget_forces(system, state);
+
+    const Positions start = state.position;
+    Positions force = Positions::Zero(start.rows(), 3);
+    if (parameters.keep_forces) {
+        system.constraints.bound_forces(mobility, state.forces);
+        system.constraints.add_forces(start, state.forces, force);
+    }
+    for (size_t k = 0; k < system.contacts.size(); ++k) {
+        system.contacts[k].begin(start, state.touches[k]);
+        system.contacts[k].add_forces(state.touches[k], force);
+    }
+    Positions& x = state.position;
+    for (int v = 0; v < x.rows(); ++v) {
+        if (system.inverse_mass[v] == 0.0) continue;
+        x.row(v) += h / drag * state.velocity.row(v) +
+                    mobility.squared_time * (system.gravity.transpose() + system.inverse_mass[v] * force.row(v));
+    }
+    for (int iteration = 0; iteration < parameters.iterations; ++iteration) {
+        system.constraints.sweep(mobility, start, state.forces, x);
+        for (size_t k = 0; k < system.contacts.size(); ++k) system.contacts[k].sweep(mobility, state.touches[k], x);
+    }
+    if (parameters.largest_move > 0.0) bound_moves(start, parameters.largest_move, x);
+    for (size_t k = 0; k < system.contacts.size(); ++k) system.contacts[k].end(x, state.touches[k]);
+    state.velocity = (x - start) / h;
+    return state;
+}
+
+}  // namespace toile::simulate
