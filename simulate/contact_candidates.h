@@ -1,10 +1,12 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "cloth/topology.h"
 #include "cloth/types.h"
+#include "simulate/box_tree.h"
 #include "simulate/proximity.h"
 
 namespace toile::simulate {
@@ -37,7 +39,8 @@ inline FourPoints gather(const Positions& x, const std::array<int, 4>& point) {
 
 /// Broad phase of self-contact: which vertices and triangles, edges and edges of one mesh are near each other. Keeps
 /// the mesh and its work space, but nothing of earlier searches: what it finds depends on the arguments alone. Any mix
-/// of triangle sizes and shapes will do; time grows as V log V plus the number of boxes that overlap.
+/// of triangle sizes and shapes will do; time grows as V log V plus the number of boxes that overlap. Features at
+/// vertices that are not finite are found by their other vertices only.
 ///
 ///     ContactCandidates candidates(mesh.triangle, topology.edge);
 ///     CandidatePairs pairs;                                  // keep it: its memory is used again
@@ -48,12 +51,29 @@ class ContactCandidates {
     ContactCandidates(const Triangles& triangle, const Edges& edge);
 
     /// All pairs nearer than `radius` [m] at x `[V x 3]`; none that is further away, but for rounding. Throws `Error`
-    /// where x has fewer rows than the mesh has vertices, or the radius is negative or not a number.
+    /// where x has not as many rows as the mesh has vertices, or the radius is negative or not a number.
     void find(const Positions& x, double radius, CandidatePairs& pairs);
 
     /// All pairs that may come nearer than `radius` while x moves to x + motion, and some that don't: a pair is left
-    /// out where its boxes, or its distance at x less its largest relative motion, tell.
+    /// out where its boxes, or the plane between its nearest points at x, tell.
     void find(const Positions& x, const Positions& motion, double radius, CandidatePairs& pairs);
+
+  private:
+    void check(const Positions& x, double radius) const;
+    void make_boxes(const Positions& x, const Positions* motion, double radius);
+    // Keep decides on two features' four points.
+    template <typename Keep>
+    void find_vertex_triangle(const Keep& keep, std::vector<VertexTrianglePair>& pairs);
+    template <typename Keep>
+    void find_edge_edge(const Keep& keep, std::vector<EdgeEdgePair>& pairs);
+
+    Triangles triangle_;
+    Edges edge_;
+    int vertex_count_;
+    float extent_ = 0.0f;
+    std::vector<Box> vertex_box_, box_;
+    BoxTree vertex_tree_, triangle_tree_, edge_tree_;
+    std::vector<std::uint64_t> found_;  // first index, second index
 };
 
 }  // namespace toile::simulate

@@ -31,6 +31,13 @@ Proximity vertex_triangle_proximity(const FourPoints& x);
 /// are points.
 Proximity edge_edge_proximity(const FourPoints& x);
 
+/// How far the first feature lies in front of the second along a direction: min normal·x₀ − max normal·xⱼ and so on, in
+/// the direction's units; negative where their shadows overlap. With a unit direction it never exceeds the distance,
+/// and with that of `difference` it equals it. While the points move linearly it is concave in time: what it is at both
+/// ends of a motion it is in between.
+double vertex_triangle_separation(const Eigen::Vector3d& direction, const FourPoints& x);
+double edge_edge_separation(const Eigen::Vector3d& direction, const FourPoints& x);
+
 /// Where edges turn parallel the gradient of their distance jumps; energies of edge–edge contacts are multiplied by
 /// this to stay smooth (Li et al. 2020, "Incremental potential contact", eq. 24): −c²/ε² + 2c/ε for
 /// c = |(x₁−x₀)×(x₃−x₂)|² below ε, else 1. In [0, 1], continuously differentiable.
