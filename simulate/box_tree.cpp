@@ -1,13 +1,14 @@
 #include "simulate/box_tree.h"
 
 #include <algorithm>
+#include <bit>
 #include <boost/sort/spreadsort/integer_sort.hpp>
 #include <limits>
 
 namespace toile::simulate {
 namespace {
 
-constexpr int curve_bits = 21;  // per axis: 3 * 21 fit 64 bits
+constexpr int most_curve_bits = 21;  // per axis: 3 * 21 fit 64 bits
 
 // Two zeros after each of the lowest 21 bits.
 std::uint64_t spread_bits(std::uint64_t bits) {
@@ -34,46 +35,44 @@ void EightBoxes::set(int slot, const Box& box) {
     }
 }
 
-Box EightBoxes::box(int slot) const {
-    return {{low[0][slot], low[1][slot], low[2][slot], 0.0f}, {high[0][slot], high[1][slot], high[2][slot], 0.0f}};
-}
-
-Box EightBoxes::around_all() const {
-    Box all = box(0);
-    for (int slot = 1; slot < 8; ++slot) all = around(all, box(slot));
-    return all;
-}
-
-void BoxTree::sort(const std::vector<Box>& box, float extent) {
-    const double cells = (1u << curve_bits) - 1, scale = extent > 0.0f ? 0.25 * cells / extent : 0.0;
-    order_.resize(box.size());
+void BoxTree::sort(const std::vector<Box>& box, float reach) {
+    // As many bits for the place on the curve as the index leaves.
+    const int index_bits = std::bit_width(box.size()), curve_bits = std::min(most_curve_bits, (64 - index_bits) / 3);
+    const double cells = static_cast<double>((1u << curve_bits) - 1), scale = reach > 0.0f ? 0.25 * cells / reach : 0.0;
+    key_.resize(box.size());
     for (std::size_t i = 0; i < box.size(); ++i) {
-        std::uint64_t key = 0;
+        std::uint64_t curve = 0;
         for (int k = 0; k < 3; ++k) {
-            // From [-2 extent, 2 extent]; written so that what is not a number becomes 0.
+            // From [-2 reach, 2 reach] to all cells; written so that what is not a number becomes 0.
             const double cell = 0.5 * cells + scale * (static_cast<double>(box[i].low[k]) + box[i].high[k]);
-            key |= spread_bits(static_cast<std::uint64_t>(cell > 0.0 ? std::min(cell, cells) : 0.0)) << k;
+            curve |= spread_bits(static_cast<std::uint64_t>(cell > 0.0 ? std::min(cell, cells) : 0.0)) << k;
         }
-        order_[i] = {key, static_cast<int>(i)};
+        key_[i] = curve << index_bits | i;
     }
-    boost::sort::spreadsort::integer_sort(
-        order_.begin(), order_.end(), [](const Keyed& keyed, unsigned bits) { return keyed.key >> bits; },
-        [](const Keyed& a, const Keyed& b) { return a.key < b.key; });
+    boost::sort::spreadsort::integer_sort(key_.begin(), key_.end());
+    order_.resize(box.size());
+    const std::uint64_t index_mask = (std::uint64_t{1} << index_bits) - 1;
+    for (std::size_t i = 0; i < box.size(); ++i) order_[i] = static_cast<int>(key_[i] & index_mask);
 }
 
-void BoxTree::build(const std::vector<Box>& box, float extent) {
-    sort(box, extent);
-    level_.resize(1);
-    level_[0].resize((box.size() + 7) / 8);
-    for (std::size_t i = 0; i < 8 * level_[0].size(); ++i)
-        level_[0][i / 8].set(static_cast<int>(i % 8), i < box.size() ? box[order_[i].index] : Box::empty());
-    while (level_.back().size() > 1) {
-        const std::vector<EightBoxes>& below = level_.back();
+void BoxTree::build(const std::vector<Box>& box, float reach) {
+    sort(box, reach);
+    level_box_.resize(1);
+    level_box_[0].resize(box.size());
+    for (std::size_t i = 0; i < box.size(); ++i) level_box_[0][i] = box[order_[i]];
+    level_.clear();
+    do {
+        const std::vector<Box>& below = level_box_.back();
         std::vector<EightBoxes> level((below.size() + 7) / 8);
-        for (std::size_t i = 0; i < 8 * level.size(); ++i)
-            level[i / 8].set(static_cast<int>(i % 8), i < below.size() ? below[i].around_all() : Box::empty());
+        std::vector<Box> above(level.size(), Box::empty());
+        for (std::size_t i = 0; i < 8 * level.size(); ++i) {
+            const Box child = i < below.size() ? below[i] : Box::empty();
+            level[i / 8].set(static_cast<int>(i % 8), child);
+            above[i / 8] = around(above[i / 8], child);
+        }
         level_.push_back(std::move(level));
-    }
+        level_box_.push_back(std::move(above));
+    } while (level_box_.back().size() > 1);
 }
 
 }  // namespace toile::simulate

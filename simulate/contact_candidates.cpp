@@ -26,21 +26,37 @@ Box vertex_box(const RowVector3d& low, const RowVector3d& high, double margin) {
     return box;
 }
 
-// Middle of all finite coordinates, and how far they reach from there.
-struct Extent {
-    RowVector3d middle;
-    double reach;
+bool is_finite(const Positions& x, Eigen::Index v) {
+    return x.row(v).cwiseAbs().sum() < std::numeric_limits<double>::infinity();
+}
+
+double quantile(std::vector<double>& value, double share) {
+    const auto nth = value.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(value.size() - 1));
+    std::nth_element(value.begin(), nth, value.end());
+    return *nth;
+}
+
+// Where most vertices are: so that a few that went astray, however far, cost the others no digits.
+struct Bulk {
+    RowVector3d middle = RowVector3d::Zero();
+    double reach = 0.0;
 };
-Extent extent_of(const Positions& x) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    RowVector3d low = RowVector3d::Constant(infinity), high = -low;
-    for (Eigen::Index v = 0; v < x.rows(); ++v) {
-        if (!(x.row(v).cwiseAbs().sum() < infinity)) continue;
-        low = low.cwiseMin(x.row(v));
-        high = high.cwiseMax(x.row(v));
+Bulk bulk_of(const Positions& x) {
+    const Eigen::Index stride = 1 + x.rows() / 1000;
+    std::vector<Eigen::Index> sample;
+    for (Eigen::Index v = 0; v < x.rows(); v += stride)
+        if (is_finite(x, v)) sample.push_back(v);
+    Bulk bulk;
+    if (sample.empty()) return bulk;
+    std::vector<double> value(sample.size());
+    for (int k = 0; k < 3; ++k) {
+        std::transform(sample.begin(), sample.end(), value.begin(), [&](Eigen::Index v) { return x(v, k); });
+        bulk.middle[k] = quantile(value, 0.5);
     }
-    if (!(low[0] <= high[0])) return {RowVector3d::Zero(), 0.0};
-    return {0.5 * (low + high), 0.5 * (high - low).maxCoeff()};
+    std::transform(sample.begin(), sample.end(), value.begin(),
+                   [&](Eigen::Index v) { return (x.row(v) - bulk.middle).cwiseAbs().maxCoeff(); });
+    bulk.reach = quantile(value, 0.9);
+    return bulk;
 }
 
 // Motion common to all vertices brings no two nearer.
@@ -48,7 +64,7 @@ RowVector3d mean_motion(const Positions& motion) {
     RowVector3d sum = RowVector3d::Zero();
     int finite = 0;
     for (Eigen::Index v = 0; v < motion.rows(); ++v) {
-        if (!(motion.row(v).cwiseAbs().sum() < std::numeric_limits<double>::infinity())) continue;
+        if (!is_finite(motion, v)) continue;
         sum += motion.row(v);
         ++finite;
     }
@@ -118,26 +134,26 @@ void ContactCandidates::check(const Positions& x, double radius) const {
 }
 
 void ContactCandidates::make_boxes(const Positions& x, const Positions* motion, double radius) {
-    const Extent extent = extent_of(x);
+    const Bulk bulk = bulk_of(x);
     const RowVector3d common = motion ? mean_motion(*motion) : RowVector3d::Zero().eval();
     const double margin = 0.5 * radius;
-    extent_ = static_cast<float>(std::min(extent.reach, 1e37));
+    const float reach = static_cast<float>(std::min(bulk.reach, 1e37));
     vertex_box_.resize(vertex_count_);
     for (int v = 0; v < vertex_count_; ++v) {
-        const RowVector3d start = x.row(v) - extent.middle;
+        const RowVector3d start = x.row(v) - bulk.middle;
         const RowVector3d end = motion ? (start + motion->row(v) - common).eval() : start;
         vertex_box_[v] = vertex_box(start.cwiseMin(end), start.cwiseMax(end), margin);
     }
-    vertex_tree_.build(vertex_box_, extent_);
+    vertex_tree_.build(vertex_box_, reach);
     box_.resize(triangle_.rows());
     for (Eigen::Index f = 0; f < triangle_.rows(); ++f)
         box_[f] =
             around(around(vertex_box_[triangle_(f, 0)], vertex_box_[triangle_(f, 1)]), vertex_box_[triangle_(f, 2)]);
-    triangle_tree_.build(box_, extent_);
+    triangle_tree_.build(box_, reach);
     box_.resize(edge_.rows());
     for (Eigen::Index e = 0; e < edge_.rows(); ++e)
         box_[e] = around(vertex_box_[edge_(e, 0)], vertex_box_[edge_(e, 1)]);
-    edge_tree_.build(box_, extent_);
+    edge_tree_.build(box_, reach);
 }
 
 template <typename Keep>

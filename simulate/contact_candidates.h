@@ -70,7 +70,6 @@ class ContactCandidates {
     Triangles triangle_;
     Edges edge_;
     int vertex_count_;
-    float extent_ = 0.0f;
     std::vector<Box> vertex_box_, box_;
     BoxTree vertex_tree_, triangle_tree_, edge_tree_;
     std::vector<std::uint64_t> found_;  // first index, second index

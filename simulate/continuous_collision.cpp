@@ -76,7 +76,8 @@ double pair_safe_share(const FourPoints& x, const FourPoints& motion, const Safe
     Proximity nearest = Kind<FirstCount>::proximity(start);
     double distance = nearest.distance();
     const double separation = distance > options.separation ? options.separation : 0.0;
-    const double kept = std::max(separation + options.remaining_share * (distance - separation), noise);
+    const double remaining = std::min(options.remaining_share * (distance - separation), options.largest_remaining);
+    const double kept = std::max(separation + remaining, noise);
     const double near_enough = kept + 0.5 * (kept - separation);
     double share = 0.0;
     FourPoints now = start;

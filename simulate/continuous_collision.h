@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "cloth/types.h"
 #include "simulate/contact_candidates.h"
 #include "simulate/proximity.h"
@@ -9,10 +11,12 @@ namespace toile::simulate {
 struct SafeMotionOptions {
     /// Share of a pair's starting distance beyond `separation` that stays, in (0, 1).
     double remaining_share = 0.1;
+    /// As much beyond `separation` is always enough [m]: else two that start far apart would be kept far apart.
+    double largest_remaining = std::numeric_limits<double>::infinity();
     /// Distance that is never undercut [m]. A pair that starts nearer keeps `remaining_share` of its distance instead.
     double separation = 0.0;
     /// Bound on the steps of a pair; where it ends, the motion found safe so far is the answer.
-    int steps = 100;
+    int steps = 200;
 };
 
 /// The share in [0, limit] of the motion x to x + motion that a vertex and a triangle, or two edges, can go without

@@ -12,8 +12,9 @@ using Eigen::Vector3d;
 // Squared sine below which a triangle or a pair of edges counts as collapsed: its normal is then no better than 1e-8.
 constexpr double collapsed = 1e-16;
 
-double clamped_share(double numerator, double denominator) {
-    return denominator > 0.0 ? std::clamp(numerator / denominator, 0.0, 1.0) : 0.0;
+// Of a squared length. 0 where that is too small to divide by: the edge is then a point.
+double reciprocal(double squared_length) {
+    return squared_length > 1e-300 ? 1.0 / squared_length : 0.0;
 }
 
 void keep_nearer(Proximity& best, const Vector3d& difference, const std::array<double, 4>& weight) {
@@ -28,7 +29,7 @@ Proximity nothing_yet() {
 // The nearest point of side x[i] x[j] to x[0].
 void try_side(const FourPoints& x, int i, int j, Proximity& best) {
     const Vector3d side = x[j] - x[i], to_vertex = x[0] - x[i];
-    const double share = clamped_share(to_vertex.dot(side), side.squaredNorm());
+    const double share = std::clamp(to_vertex.dot(side) * reciprocal(side.squaredNorm()), 0.0, 1.0);
     std::array<double, 4> weight = {1.0, 0.0, 0.0, 0.0};
     weight[i] = share - 1.0;
     weight[j] = -share;
@@ -38,7 +39,7 @@ void try_side(const FourPoints& x, int i, int j, Proximity& best) {
 // Edges as lines: first = x[0] + s d, second = x[2] + t e.
 struct EdgePair {
     Vector3d d, e, r;  // r from x[2] to x[0]
-    double dd, ee, de, dr, er;
+    double dd, ee, de, dr, er, over_dd, over_ee;
 
     explicit EdgePair(const FourPoints& x)
         : d(x[1] - x[0]),
@@ -48,10 +49,12 @@ struct EdgePair {
           ee(e.squaredNorm()),
           de(d.dot(e)),
           dr(d.dot(r)),
-          er(e.dot(r)) {}
+          er(e.dot(r)),
+          over_dd(reciprocal(dd)),
+          over_ee(reciprocal(ee)) {}
 
-    double nearest_on_first(double t) const { return clamped_share(t * de - dr, dd); }
-    double nearest_on_second(double s) const { return clamped_share(s * de + er, ee); }
+    double nearest_on_first(double t) const { return std::clamp((t * de - dr) * over_dd, 0.0, 1.0); }
+    double nearest_on_second(double s) const { return std::clamp((s * de + er) * over_ee, 0.0, 1.0); }
 
     void try_shares(double s, double t, Proximity& best) const {
         keep_nearer(best, r + s * d - t * e, {1.0 - s, s, t - 1.0, -t});
