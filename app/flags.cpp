@@ -8,13 +8,14 @@
 
 namespace toile::app {
 
-void add_config_flag(CLI::App& command, Flags& flags) {
-    command.add_option("CONFIG", flags.config, "the scene, in TOML")->required();
+CLI::Option* add_config_flag(CLI::App& command, Flags& flags) {
+    CLI::Option* config = command.add_option("CONFIG", flags.config, "the scene, in TOML")->required();
     command
         .add_option("--set", flags.overrides,
                     "overrides one key of the configuration, for example --set poses.count=4; may be repeated")
         ->type_name("KEY=VALUE")
         ->allow_extra_args(false);
+    return config;
 }
 
 void add_generate_flags(CLI::App& command, Flags& flags) {

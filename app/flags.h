@@ -17,9 +17,11 @@ struct Flags {
     std::string out;
     int jobs = 1;
     int pose = -1;
+    std::string replay;
 };
 
-void add_config_flag(CLI::App& command, Flags& flags);     ///< CONFIG and --set
+/// CONFIG, which is required, and --set.
+CLI::Option* add_config_flag(CLI::App& command, Flags& flags);
 void add_generate_flags(CLI::App& command, Flags& flags);  ///< those of a data set: CONFIG, --set, --out, --jobs
 void add_jobs_flag(CLI::App& command, Flags& flags);
 CLI::Option* add_pose_flag(CLI::App& command, Flags& flags, const std::string& doc);

@@ -21,6 +21,16 @@ void print_failures(const generate::GenerateSummary& summary) {
         list += (list.empty() ? "" : ", ") + std::to_string(one.pose);
     }
     for (const auto& [reason, list] : poses) say("  not accepted     {}: poses {}", reason, list);
+    for (const generate::FailedSample& one : summary.failed)
+        say("  run again        toile simulate --replay {} --out pose.obj", one.replay);
+}
+
+void print_tries(const std::vector<simulate::TryRecord>& tries) {
+    if (tries.size() < 2) return;
+    for (const simulate::TryRecord& one : tries)
+        say("  try              {}: {}, residual force {:.3e}, {} crossings, {} iterations",
+            simulate::rung_name(one.rung), simulate::status_reason(one.status), one.certificate.residual_force,
+            one.certificate.self_intersections, one.certificate.iterations);
 }
 
 }  // namespace
@@ -29,6 +39,7 @@ void print_summary(const generate::GenerateSummary& s) {
     say("{}", s.dataset);
     say("  samples          {} of {} accepted, {} vertices, {} triangles each", s.accepted, s.samples, s.vertices,
         s.triangles);
+    if (s.climbed > 0) say("  tried again      {} of the accepted", s.climbed);
     print_failures(s);
     if (s.accepted > 0)
         say("  worst accepted   penetration {:.2f} mm, stretch {:.3f}, residual force {:.1e} of the weight",
@@ -75,14 +86,27 @@ void print_drape(const simulate::DrapeResult& result, const std::string& path) {
     say("  status           {}", simulate::status_reason(result.status));
     say("  residual force   {:.3e} of the garment's weight", c.residual_force);
     say("  penetration      {:.3f} mm", 1e3 * c.body_penetration);
-    say("  crossings        {} triangle pairs", c.self_intersections);
+    say("  crossings        {} triangle pairs of the cloth, {} with the body", c.self_intersections, c.body_crossings);
     say("  stretch          {:.4f} to {:.4f}", c.min_stretch, c.max_stretch);
-    say("  largest speed    {:.2e} m/s", c.max_speed);
+    say("  largest speed    {:.2e} m/s; {:.1f} % of the vertices move", c.max_speed, 100 * c.moving_share);
+    print_tries(result.tries);
     const simulate::DrapeReport& r = result.report;
     say("  time             {:.2f} s: level set {:.2f}, contact {:.2f}, assembly {:.2f}, factor {:.2f}, certificate "
         "{:.2f}",
         c.seconds, r.level_set_seconds, r.contact_seconds, r.assembly_seconds, r.factor_seconds, r.certificate_seconds);
     say("  iterations       {} solver, {} path steps, {} level sets", r.iterations, r.path_steps, r.level_sets);
+    if (c.tries > 1) say("  in all tries     {} solver, {} path steps", c.iterations, c.path_steps);
+}
+
+void print_replay(const generate::Replayed& replayed, const std::string& path) {
+    print_drape(replayed.drape, path);
+    const files::ReplayRecord& recorded = replayed.recorded;
+    say("  recorded         pose {}: {}, residual force {:.3e} of the garment's weight", recorded.id, recorded.reason,
+        recorded.certificate.residual_force);
+    say("  the same         {}, {}", replayed.same_certificate ? "certificate" : "another certificate",
+        replayed.same_cloth ? "cloth to the last bit" : "another cloth");
+    if (!replayed.same_inputs)
+        say("  note             the configuration, or a file it names, is not what it was when the pose failed");
 }
 
 }  // namespace toile::app

@@ -5,6 +5,7 @@
 
 #include "generate/generate.h"
 #include "generate/project.h"
+#include "generate/replay.h"
 #include "generate/validate.h"
 #include "simulate/drape.h"
 
@@ -16,5 +17,6 @@ void print_look(const std::vector<std::string>& path);
 void print_validation(const generate::Validation& validation);
 void print_projection(const generate::ProjectSummary& summary, const std::string& path);
 void print_drape(const simulate::DrapeResult& result, const std::string& path);
+void print_replay(const generate::Replayed& replayed, const std::string& path);
 
 }  // namespace toile::app

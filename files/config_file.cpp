@@ -146,12 +146,17 @@ void print_section(std::ostream& stream, const ConfigSection& section, ConfigFil
 }  // namespace
 
 ConfigFile::ConfigFile(const std::string& path, const std::vector<std::string>& overrides)
-    : document_(std::make_shared<ConfigDocument>()) {
-    document_->file = path;
-    document_->folder = fs::path(path).parent_path().string();
-    document_->tree = parse(read_text(path), path);
-    if (document_->tree.empty()) throw Error("the configuration is empty", path, "see configs/ for examples");
-    for (const std::string& one : overrides) apply_override(document_->tree, one);
+    : ConfigFile(from_text(read_text(path), path, overrides)) {}
+
+ConfigFile ConfigFile::from_text(const std::string& text, const std::string& source,
+                                 const std::vector<std::string>& overrides) {
+    ConfigFile config(std::vector<std::string>{});
+    config.document_->file = source;
+    config.document_->folder = fs::path(source).parent_path().string();
+    config.document_->tree = parse(text, source);
+    if (config.document_->tree.empty()) throw Error("the configuration is empty", source, "see configs/ for examples");
+    for (const std::string& one : overrides) apply_override(config.document_->tree, one);
+    return config;
 }
 
 ConfigFile::ConfigFile(const std::vector<std::string>& overrides) : document_(std::make_shared<ConfigDocument>()) {

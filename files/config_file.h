@@ -103,6 +103,10 @@ class ConfigFile {
     /// Reads `path`; each override is `key.path=value`, its value TOML or else a bare word. Throws Error for a file
     /// that is missing, empty, unreadable, not TOML, or larger than 4 MB, and for an override that is malformed.
     ConfigFile(const std::string& path, const std::vector<std::string>& overrides);
+    /// The same for text that was read from elsewhere: `source` stands for the file in messages, and the folder that
+    /// relative paths start from is its own.
+    static ConfigFile from_text(const std::string& text, const std::string& source,
+                                const std::vector<std::string>& overrides);
     /// A configuration without a file: defaults and overrides.
     explicit ConfigFile(const std::vector<std::string>& overrides);
 

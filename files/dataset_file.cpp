@@ -97,14 +97,7 @@ Digest sample_digest(const SampleRecord& sample) {
     append(bytes, floats(sample.displacement));
     append(bytes, quaternion_floats(sample.frame));
     append(bytes, sample.image);
-    const CertificateRecord& c = sample.certificate;
-    const int32_t crossings = c.self_intersections;
-    append(bytes, &c.residual_force, 1);
-    append(bytes, &c.body_penetration, 1);
-    append(bytes, &crossings, 1);
-    append(bytes, &c.max_stretch, 1);
-    append(bytes, &c.min_stretch, 1);
-    append(bytes, &c.max_speed, 1);
+    bytes += certificate_bytes(sample.certificate);
     const std::string text = text_digest(bytes);
     Digest digest;
     for (size_t i = 0; i < digest.size(); ++i)
@@ -203,20 +196,7 @@ void DatasetWriter::Impl::store(const SampleRecord& sample) {
 }
 
 void DatasetWriter::Impl::write_certificates() {
-    const Storage storage{0, {}};
-    const Shape shape{sample_count};
-    auto column = [&](const std::string& name, auto member) {
-        using Value = std::decay_t<decltype(CertificateRecord{}.*member)>;
-        std::vector<Value> value;
-        for (const CertificateRecord& c : certificate) value.push_back(c.*member);
-        file.write("/certificate/" + name, value, shape, storage);
-    };
-    column("residual_force", &CertificateRecord::residual_force);
-    column("body_penetration", &CertificateRecord::body_penetration);
-    column("self_intersections", &CertificateRecord::self_intersections);
-    column("max_stretch", &CertificateRecord::max_stretch);
-    column("min_stretch", &CertificateRecord::min_stretch);
-    column("max_speed", &CertificateRecord::max_speed);
+    files::write_certificates(file, certificate);
     const std::filesystem::path timing = timing_path(target.path());
     file.link("/certificate/seconds", timing.filename().string(), "/seconds");
     for (const auto& [name, largest] : header.gate) file.set_attribute("/certificate", name, largest);

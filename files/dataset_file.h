@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cloth/cloth_mesh.h"
+#include "files/certificate_group.h"
 #include "files/hdf5_file.h"
 
 namespace toile::files {
@@ -56,11 +57,6 @@ struct DatasetHeader {
     std::optional<std::array<double, 2>> resampling_error;
 };
 
-struct CertificateRecord {
-    double residual_force = 0, body_penetration = 0, max_stretch = 0, min_stretch = 0, max_speed = 0, seconds = 0;
-    int self_intersections = 0;
-};
-
 /// One pose's data. A sample that failed (status not 0) is kept as it ended: its cloth may be at fault, or not finite,
 /// and then so are displacement and image. Readers train on status 0.
 struct SampleRecord {
@@ -85,9 +81,10 @@ using Digest = std::array<uint8_t, 16>;
 /// `/certificate/seconds` is measured and so differs from run to run: it lies in a file of its own, `timing_path`, and
 /// the data set links to it. The data set's own bytes depend on the samples alone.
 ///
-/// Beyond the contract: `/samples/digest` (N,16) uint8, see `sample_digest`; attributes `duplicate_angle` on
-/// /samples/split, the gate's bounds on /certificate under the names of its datasets; `reasons` and `resampling_error`
-/// both at the root and on /samples/status and /samples/image.
+/// Beyond the contract: `/samples/digest` (N,16) uint8, see `sample_digest`; `/certificate/moving_share` (N) and
+/// `body_crossings`, `iterations`, `path_steps`, `tries` and `rung` (N) int32, see simulate/certificate.h; attributes
+/// `duplicate_angle` on /samples/split, the gate's bounds on /certificate under the names of its datasets; `reasons`
+/// and `resampling_error` both at the root and on /samples/status and /samples/image.
 class DatasetWriter {
   public:
     /// `deflate`: gzip level 0 to 9 of the samples' arrays. Throws Error where the file cannot be made.
@@ -129,8 +126,8 @@ class DatasetReader {
 
 /// XXH3-128, big-endian, of a sample's stored bytes one after the other: id, split, status, pose, cloth, embedded,
 /// displacement, frame, image, then residual_force, body_penetration, self_intersections, max_stretch, min_stretch and
-/// max_speed, each little-endian in its stored type; what the file lacks is left out, and so is `seconds`, which no run
-/// repeats.
+/// max_speed, then moving_share, body_crossings, iterations, path_steps, tries and rung, each little-endian in its
+/// stored type; what the file lacks is left out, and so is `seconds`, which no run repeats.
 Digest sample_digest(const SampleRecord& sample);
 
 }  // namespace toile::files

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <limits>
 
 #include "cloth/error.h"
 #include "files/dataset_file.h"
@@ -143,15 +142,7 @@ SampleRecord DatasetReader::read(int slot) const {
                         file_.path() + ":/samples/image");
         sample.image = array.value;
     }
-    CertificateRecord& c = sample.certificate;
-    c.residual_force = value_of<double>(file_, "/certificate/residual_force", slot);
-    c.body_penetration = value_of<double>(file_, "/certificate/body_penetration", slot);
-    c.self_intersections = value_of<int>(file_, "/certificate/self_intersections", slot);
-    c.max_stretch = value_of<double>(file_, "/certificate/max_stretch", slot);
-    c.min_stretch = value_of<double>(file_, "/certificate/min_stretch", slot);
-    c.max_speed = value_of<double>(file_, "/certificate/max_speed", slot);
-    c.seconds = file_.has("/certificate/seconds") ? value_of<double>(file_, "/certificate/seconds", slot)
-                                                  : std::numeric_limits<double>::quiet_NaN();
+    sample.certificate = read_certificate(file_, slot);
     return sample;
 }
 

@@ -40,11 +40,22 @@ files::DatasetHeader dataset_header(const DressedScene& dressed, const pattern::
     header.program_version = TOILE_VERSION;
     header.seed = static_cast<std::int64_t>(config.seed);
     for (const std::string_view reason : simulate::status_reasons()) header.reasons.emplace_back(reason);
-    header.gate = {{"body_penetration", config.gate.body_penetration},
-                   {"residual_force", config.gate.residual_force},
-                   {"max_stretch", config.gate.max_stretch}};
+    header.gate = simulate::gate_bounds(config.gate);
     header.duplicate_angle = config.split.duplicate_angle;
     return header;
+}
+
+files::CertificateRecord certificate_record(const simulate::Certificate& c) {
+    files::CertificateRecord record;
+    record.residual_force = c.residual_force;
+    record.body_penetration = c.body_penetration;
+    record.max_stretch = c.max_stretch;
+    record.min_stretch = c.min_stretch;
+    record.max_speed = c.max_speed;
+    record.seconds = c.seconds;
+    record.self_intersections = c.self_intersections;
+    record.detail = {c.moving_share, c.body_crossings, c.iterations, c.path_steps, c.tries, c.rung};
+    return record;
 }
 
 files::SampleRecord sample_record(Sample sample, int split) {
@@ -57,9 +68,7 @@ files::SampleRecord sample_record(Sample sample, int split) {
     record.embedded = std::move(sample.embedded.position);
     record.frame = std::move(sample.embedded.frame);
     record.displacement = std::move(sample.displacement);
-    const simulate::Certificate& c = sample.certificate;
-    record.certificate = {c.residual_force, c.body_penetration, c.max_stretch,       c.min_stretch,
-                          c.max_speed,      c.seconds,          c.self_intersections};
+    record.certificate = certificate_record(sample.certificate);
     return record;
 }
 

@@ -11,6 +11,7 @@
 #include "generate/image_size.h"
 #include "generate/ordered_work.h"
 #include "generate/output_folder.h"
+#include "generate/replay.h"
 
 namespace toile::generate {
 namespace {
@@ -22,6 +23,7 @@ struct Run {
     const GenerateOptions& options;
     const DressedScene& dressed;
     std::vector<int> split;  ///< `[N]`
+    ReplayFolder& replays;
     GenerateSummary& summary;
 
     int count() const { return static_cast<int>(dressed.scene.pose_number.size()); }
@@ -34,16 +36,17 @@ std::vector<int> split_samples(const DressedScene& dressed) {
     return split;
 }
 
-void count_sample(const files::SampleRecord& record, GenerateSummary& summary) {
+void count_sample(const files::SampleRecord& record, const std::string& replay, GenerateSummary& summary) {
     const files::CertificateRecord& c = record.certificate;
     ++summary.samples;
     summary.mean_drape_seconds += (c.seconds - summary.mean_drape_seconds) / summary.samples;
     if (record.status != 0) {
         const auto status = static_cast<simulate::DrapeStatus>(record.status);
-        summary.failed.push_back({record.id, std::string(simulate::status_reason(status))});
+        summary.failed.push_back({record.id, std::string(simulate::status_reason(status)), replay});
         return;
     }
     ++summary.accepted;
+    summary.climbed += c.detail && c.detail->tries > 1;
     summary.worst_penetration = std::max(summary.worst_penetration, c.body_penetration);
     summary.worst_stretch = std::max(summary.worst_stretch, c.max_stretch);
     summary.worst_residual = std::max(summary.worst_residual, c.residual_force);
@@ -54,8 +57,10 @@ void report(const Run& run, std::string_view stage, int done) {
         run.options.progress({stage, done, run.count(), static_cast<int>(run.summary.failed.size())});
 }
 
-files::SampleRecord drape_record(const Run& run, int index) {
-    return sample_record(make_sample(run.dressed, run.dressed.scene.pose_number[index]), run.split[index]);
+files::SampleRecord drape_record(const Run& run, int index, std::unique_ptr<files::ReplayRecord>& replay) {
+    Sample sample = make_sample(run.dressed, run.dressed.scene.pose_number[index]);
+    replay = replay_record(run.dressed, sample);
+    return sample_record(std::move(sample), run.split[index]);
 }
 
 /// Error of reading an image back, over the accepted samples.
@@ -86,16 +91,18 @@ void write_at_once(const Run& run, const std::string& path, const pattern::Patte
     const int compression = run.dressed.scene.config.output.compression;
     files::DatasetWriter writer(path, dataset_header(run.dressed, image), run.count(), compression);
     std::vector<pattern::ResamplingError> error(static_cast<size_t>(run.count()));
+    std::vector<std::unique_ptr<files::ReplayRecord>> replay(static_cast<size_t>(run.count()));
     report(run, "draping", 0);
     make_in_order(
         run.count(), run.options.jobs,
         [&](int index) {
-            files::SampleRecord record = drape_record(run, index);
+            files::SampleRecord record = drape_record(run, index, replay[index]);
             if (image) add_image(*image, record, error[index]);
             return record;
         },
         [&](int index, files::SampleRecord record) {
-            count_sample(record, run.summary);
+            count_sample(record, replay[index] ? run.replays.write(*replay[index]) : std::string(), run.summary);
+            replay[index].reset();
             writer.write(index, std::move(record));
             report(run, "draping", index + 1);
         },
@@ -152,7 +159,8 @@ GenerateSummary generate(const SceneConfig& config, const GenerateOptions& optio
     summary.remarks = dressed.scene.remarks;
     summary.vertices = dressed.mesh.vertex_count();
     summary.triangles = dressed.mesh.triangle_count();
-    const Run run{options, dressed, split_samples(dressed), summary};
+    ReplayFolder replays(folder);
+    const Run run{options, dressed, split_samples(dressed), replays, summary};
     if (config.image && config.image->size == 0) {
         write_in_two_passes(run, summary.dataset, folder.file("dataset.drapes.h5"));
     } else {
@@ -163,6 +171,7 @@ GenerateSummary generate(const SceneConfig& config, const GenerateOptions& optio
         write_at_once(run, summary.dataset, image.get());
     }
     config_copy.commit();
+    replays.keep();
     summary.seconds = std::chrono::duration<double>(Clock::now() - start).count();
     return summary;
 }

@@ -20,11 +20,13 @@ struct GenerateOptions {
 struct FailedSample {
     std::int64_t pose;
     std::string reason;
+    std::string replay;  ///< the file that `toile simulate --replay` runs again
 };
 
 struct GenerateSummary {
     std::string dataset;  ///< path of the file
     int samples = 0, accepted = 0;
+    int climbed = 0;  ///< accepted at a later try than the first
     std::vector<FailedSample> failed;
     int vertices = 0, triangles = 0;
     double seconds = 0;                                                   ///< wall time of the whole run [s]
@@ -35,7 +37,8 @@ struct GenerateSummary {
     std::vector<std::string> remarks;  ///< what was mended or estimated on the way, one sentence each
 };
 
-/// Poses, skin, simulate, embed, rasterise: writes `folder`/dataset.h5, whole or not at all, and beside it config.toml.
+/// Poses, skin, simulate, embed, rasterise: writes `folder`/dataset.h5, whole or not at all, and beside it config.toml
+/// and, for each pose that failed, replay/pose_000123.h5.
 /// Sample k depends on the configuration and k alone, and the file's bytes on neither `jobs` nor the clock. Throws
 /// Error before any work where the folder cannot be used.
 GenerateSummary generate(const SceneConfig& config, const GenerateOptions& options);

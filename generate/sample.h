@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "generate/scene.h"
 
@@ -16,6 +17,8 @@ struct Sample {
     simulate::Certificate certificate;
     simulate::DrapeStatus status = simulate::DrapeStatus::accepted;
     simulate::DrapeReport report;
+    Positions draped;  ///< `[V x 3]` the cloth before rounding to single precision [m]
+    std::vector<simulate::TryRecord> tries;
 };
 
 /// Skins, simulates and embeds pose `number`. Depends on the scene and the number alone; may run from several threads.

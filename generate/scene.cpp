@@ -127,6 +127,7 @@ std::unique_ptr<simulate::Draper> make_draper(const Scene& scene) {
     drape.schedule = config.path;
     drape.gate = config.gate;
     return std::make_unique<simulate::Draper>(drape);
+    drape.ladder = config.ladder;
 }
 
 DressedScene dress(Scene scene) {

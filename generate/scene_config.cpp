@@ -27,12 +27,9 @@ void check_needs(const ConfigTable& root, const SceneConfig& config) {
                     root.where("garment"), "use \"patch\" or \"file\", or add [body]");
 }
 
-}  // namespace
-
-SceneConfig read_scene(const std::string& path, const std::vector<std::string>& overrides) {
-    const ConfigFile file(path, overrides);
+SceneConfig scene_of(const ConfigFile& file, const std::string& source) {
     SceneConfig config;
-    config.file = path;
+    config.file = source;
     ConfigTable root = file.root();
     ConfigTable scene = root.section("scene", "what this is");
     scene.text("name", config.name, "goes into the data set");
@@ -48,6 +45,17 @@ SceneConfig read_scene(const std::string& path, const std::vector<std::string>& 
     config.absolute_text = file.resolved(ConfigFile::Paths::absolute);
     config.hash = file.hash();
     return config;
+}
+
+}  // namespace
+
+SceneConfig read_scene(const std::string& path, const std::vector<std::string>& overrides) {
+    return scene_of(ConfigFile(path, overrides), path);
+}
+
+SceneConfig read_scene_text(const std::string& text, const std::string& source,
+                            const std::vector<std::string>& overrides) {
+    return scene_of(ConfigFile::from_text(text, source, overrides), source);
 }
 
 std::vector<std::string> left_out(const SceneConfig& config) {

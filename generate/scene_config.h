@@ -81,6 +81,7 @@ struct SceneConfig {
     simulate::ScheduleOptions path;
     simulate::GateOptions gate;
     std::optional<pattern::ImageOptions> image;
+    simulate::LadderOptions ladder;
     skin::SplitOptions split;
     OutputConfig output;
 
@@ -94,6 +95,9 @@ struct SceneConfig {
 /// without a body, a body without contact.
 SceneConfig read_scene(const std::string& path, const std::vector<std::string>& overrides);
 
+/// The same from text that was kept elsewhere, its paths absolute; `source` stands for the file in messages.
+SceneConfig read_scene_text(const std::string& text, const std::string& source,
+                            const std::vector<std::string>& overrides);
 /// What the scene does without, one sentence each: "no [bending]: no hinges are built".
 std::vector<std::string> left_out(const SceneConfig& config);
 

@@ -12,7 +12,8 @@ files::ConfigChoices<std::string> axis_choices();
 void bind_body(files::ConfigTable& root, SceneConfig& config);      ///< [body] and what is below it
 void bind_poses(files::ConfigTable& root, SceneConfig& config);     ///< [poses], [poses.limits]; after the body
 void bind_garment(files::ConfigTable& root, SceneConfig& config);   ///< [garment]
-void bind_simulate(files::ConfigTable& root, SceneConfig& config);  ///< [material] to [gate]
+void bind_simulate(files::ConfigTable& root, SceneConfig& config);  ///< [material] to [ladder]
+void bind_gate(files::ConfigTable& root, SceneConfig& config);      ///< [gate], [ladder]
 void bind_dataset(files::ConfigTable& root, SceneConfig& config);   ///< [image], [split], [output]
 
 }  // namespace toile::generate

@@ -67,7 +67,9 @@ void bind_solver(ConfigTable& root, SceneConfig& config) {
     table.real("speed_tolerance", s.speed_tolerance,
                {.lower = 0, .upper = 10, .above = true, .unit = "m/s", .doc = "largest vertex speed at rest"});
     table.integer("max_iterations", s.max_iterations,
-                  {.lower = 1, .upper = 1000000, .doc = "Newton iterations for one drape"});
+                  {.lower = 1, .upper = 1000000, .doc = "iterations to come to rest"});
+    table.integer("stall_iterations", s.stall_iterations,
+                  {.lower = 1, .upper = 1000000, .doc = "gives up when these lower the residual by less than a tenth"});
 }
 
 void bind_path(ConfigTable& root, SceneConfig& config) {
@@ -82,15 +84,6 @@ void bind_path(ConfigTable& root, SceneConfig& config) {
         {.lower = 0, .upper = 0.1, .above = true, .unit = "m", .doc = "a step ends once no vertex moves further"});
 }
 
-void bind_gate(ConfigTable& root, SceneConfig& config) {
-    ConfigTable table = root.section("gate", "what a drape must satisfy to be accepted");
-    simulate::GateOptions& g = config.gate;
-    table.real("body_penetration", g.body_penetration,
-               {.lower = 0, .upper = 0.1, .unit = "m", .doc = "deepest vertex below the body's mesh"});
-    table.real("residual_force", g.residual_force,
-               {.lower = 0, .upper = 1, .above = true, .doc = "net force over the garment's weight"});
-    table.real("max_stretch", g.max_stretch, {.lower = 1, .upper = 10, .doc = "edge length over rest length"});
-}
 
 }  // namespace
 

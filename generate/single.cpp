@@ -7,9 +7,7 @@
 #include "generate/scene.h"
 
 namespace toile::generate {
-namespace {
 
-/// A mesh file that can be written, checked before any work.
 void check_mesh_path(const std::string& path) {
     const std::filesystem::path target(path);
     const std::string extension = target.extension().string();
@@ -20,6 +18,8 @@ void check_mesh_path(const std::string& path) {
         throw Error("there is no folder to write to", folder.string());
     if (std::filesystem::is_directory(target)) throw Error("this is a folder, a file name is expected", path);
 }
+
+namespace {
 
 void check_pose(const Scene& scene, int number) {
     const std::string& where = scene.config.file;

@@ -7,6 +7,10 @@
 
 namespace toile::generate {
 
+/// A mesh file that can be written, checked before any work: throws Error for another extension or a folder that is not
+/// there.
+void check_mesh_path(const std::string& path);
+
 /// Writes the body in pose `number` as .obj, .ply or .glb. Throws Error for a scene without [body] or a pose that it
 /// does not have.
 void write_posed_body(const SceneConfig& config, int number, const std::string& path);

@@ -21,6 +21,10 @@ std::string_view status_reason(DrapeStatus status) {
             return "overstretched";
         case DrapeStatus::not_finite:
             return "not_finite";
+        case DrapeStatus::self_intersects:
+            return "self_intersects";
+        case DrapeStatus::body_intersects_itself:
+            return "body_intersects_itself";
     }
     return "unknown";
 }

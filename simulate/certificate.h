@@ -9,15 +9,24 @@
 
 namespace toile::simulate {
 
+/// A vertex faster than this counts as moving [m/s]: GarmentCode's 0.03 cm in a frame of 1/60 s.
+inline constexpr double moving_speed = 0.018;
+
 /// The proof stored with each sample (contract: /certificate/*).
 struct Certificate {
     double residual_force = 0;    ///< Euclidean norm of all nodal net forces over the garment's weight
     double body_penetration = 0;  ///< deepest vertex below the body's mesh [m], 0 where none is
-    int self_intersections = 0;   ///< crossing triangle pairs
+    int body_crossings = 0;       ///< pairs of a cloth and a body triangle that meet, exactly
+    int self_intersections = 0;   ///< pairs of cloth triangles that meet, exactly
     double max_stretch = 0;       ///< largest edge length over rest length
     double min_stretch = 0;
-    double max_speed = 0;  ///< largest vertex speed at the end [m/s]
-    double seconds = 0;    ///< wall time of the drape [s]
+    double max_speed = 0;     ///< largest vertex speed at the end [m/s]
+    double moving_share = 0;  ///< of the vertices that are faster than `moving_speed` at the end
+    int iterations = 0;       ///< of the solver, over all tries
+    int path_steps = 0;       ///< over all tries
+    int tries = 1;            ///< drapes it took, see simulate/ladder.h
+    int rung = 0;             ///< which try is the one kept
+    double seconds = 0;       ///< wall time, over all tries [s]
 };
 
 /// 0 accepted; anything else names why a sample is not.
@@ -27,8 +36,10 @@ enum class DrapeStatus {
     penetrates_body = 2,
     overstretched = 3,
     not_finite = 4,
+    self_intersects = 5,
+    body_intersects_itself = 6,  ///< not accepted, and the body's pose is the reason, see simulate/body_intersection.h
 };
-inline constexpr int drape_status_count = 5;
+inline constexpr int drape_status_count = 7;
 
 std::string_view status_reason(DrapeStatus status);
 std::vector<std::string_view> status_reasons();  ///< index = status, for the attribute `reasons`

@@ -8,6 +8,8 @@
 
 #include "cloth/cloth_mesh.h"
 #include "simulate/certificate.h"
+#include "simulate/gate.h"
+#include "simulate/ladder.h"
 #include "simulate/material.h"
 #include "simulate/options.h"
 #include "skin/body.h"
@@ -33,6 +35,7 @@ struct DrapeScene {
     ScheduleOptions schedule;
     GateOptions gate;
 };
+    LadderOptions ladder;
 
 /// Where the time of one drape went [s], and counts.
 struct DrapeReport {
@@ -45,7 +48,8 @@ struct DrapeResult {
     Positions position;  ///< `[V x 3]` [m]
     Certificate certificate;
     DrapeStatus status = DrapeStatus::accepted;
-    DrapeReport report;
+    DrapeReport report;            ///< of the try that is kept
+    std::vector<TryRecord> tries;  ///< all of them, in order
 };
 
 /// Told of a drape's energy (`Solver::energy`) before each step towards rest, the solids standing still. `first` where
@@ -64,7 +68,8 @@ class Draper {
     /// From `scene.mesh.rest_position` to rest in the neutral pose. `position` of the result is what `drape` starts
     /// from.
     DrapeResult drape_neutral(const EnergyWatch& watch = {}) const;
-    /// From the neutral drape along interpolated poses to `pose`, and on until it rests.
+    /// From the neutral drape along interpolated poses to `pose`, and on until it rests. A drape that misses the gate
+    /// climbs the ladder (simulate/ladder.h).
     DrapeResult drape(const Positions& neutral_drape, const skin::Pose& pose, const EnergyWatch& watch = {}) const;
 
   private:

@@ -2,14 +2,36 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
+#include "simulate/body_intersection.h"
 #include "simulate/certificate.h"
 #include "simulate/self_intersection.h"
 #include "simulate/stopwatch.h"
 #include "skin/surface_query.h"
 
 namespace toile::simulate {
+namespace {
+
+/// Notices that a residual has stopped falling.
+class Progress {
+  public:
+    bool stalled(double residual, int iteration, int patience) {
+        if (residual < 0.9 * best_) {
+            best_ = residual;
+            since_ = iteration;
+        }
+        return iteration - since_ >= patience;
+    }
+
+  private:
+    double best_ = std::numeric_limits<double>::infinity();
+    int since_ = 0;
+};
+
+}  // namespace
+
 DrapeRun::DrapeRun(const DrapeModel& shared) : shared_(shared), scene_(shared.scene) {
     if (scene_.body) {
         body_ = std::make_unique<CollisionBody>(*scene_.body, scene_.skinning, shared.surface, scene_.level_set,
@@ -69,10 +91,13 @@ void DrapeRun::follow(const skin::Pose& from, const skin::Pose& to) {
 void DrapeRun::settle(const EnergyWatch& watch) {
     bool first = true;
     double target_residual = scene_.solver.residual_tolerance;
-    while (report_.iterations < scene_.solver.max_iterations) {
+    const int last = report_.iterations + scene_.solver.max_iterations;
+    Progress progress;
+    while (report_.iterations < last) {
         const double residual = relative_residual();
         if (watch) watch(solver_->energy(), std::exchange(first, false));
         if (!std::isfinite(residual)) return;
+        if (progress.stalled(residual, report_.iterations, scene_.solver.stall_iterations)) return;
         if (residual <= target_residual) {
             if (solver_->largest_speed() <= scene_.solver.speed_tolerance) return;
             target_residual *= 0.3;
@@ -88,33 +113,36 @@ double DrapeRun::penetration() const {
     return body_penetration(scene_.body->triangle, body_->position(), x, distance);
 }
 
-DrapeStatus DrapeRun::judge(const Certificate& certificate) const {
-    if (!solver_->position().allFinite()) return DrapeStatus::not_finite;
-    if (!(certificate.residual_force <= scene_.gate.residual_force)) return DrapeStatus::not_at_rest;
-    if (!(certificate.max_speed <= scene_.solver.speed_tolerance)) return DrapeStatus::not_at_rest;
-    if (!(certificate.body_penetration <= scene_.gate.body_penetration)) return DrapeStatus::penetrates_body;
-    if (!(certificate.max_stretch <= scene_.gate.max_stretch)) return DrapeStatus::overstretched;
-    return DrapeStatus::accepted;
+Certificate DrapeRun::certify() {
+    const Positions& x = solver_->position();
+    Certificate certificate;
+    certificate.residual_force = relative_residual();
+    certificate.iterations = report_.iterations;
+    certificate.path_steps = report_.path_steps;
+    const StretchRange range = stretch_range(shared_.topology, shared_.rest_length, x);
+    certificate.max_stretch = range.largest;
+    certificate.min_stretch = range.smallest;
+    if (!x.allFinite()) return certificate;
+    const Eigen::VectorXd speed = solver_->speeds();
+    certificate.max_speed = speed.maxCoeff();
+    certificate.moving_share =
+        static_cast<double>((speed.array() > moving_speed).count()) / static_cast<double>(speed.size());
+    certificate.self_intersections = count_self_intersections(scene_.mesh.triangle, x);
+    if (!body_) return certificate;
+    certificate.body_penetration = penetration();
+    certificate.body_crossings =
+        count_crossing_pairs(scene_.mesh.triangle, x, scene_.body->triangle, body_->position());
+    return certificate;
 }
 
 DrapeResult DrapeRun::finish() {
-    const Positions& x = solver_->position();
     DrapeResult result;
-    Certificate& certificate = result.certificate;
-    certificate.residual_force = relative_residual();
     {
         const Stopwatch watch(report_.certificate_seconds);
-        if (x.allFinite()) {
-            certificate.max_speed = solver_->largest_speed();
-            if (body_) certificate.body_penetration = penetration();
-            certificate.self_intersections = count_self_intersections(scene_.mesh.triangle, x);
-        }
-        const StretchRange range = stretch_range(shared_.topology, shared_.rest_length, x);
-        certificate.max_stretch = range.largest;
-        certificate.min_stretch = range.smallest;
+        result.certificate = certify();
     }
-    result.status = judge(certificate);
-    result.position = x;
+    result.position = solver_->position();
+    result.status = judge(result.certificate, result.position.allFinite(), scene_.gate);
     result.report = report_;
     return result;
 }

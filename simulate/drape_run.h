@@ -30,7 +30,7 @@ class DrapeRun {
     double relative_residual();
     void carry_with_body();
     double penetration() const;
-    DrapeStatus judge(const Certificate& certificate) const;
+    Certificate certify();
 
     const DrapeModel& shared_;
     const DrapeScene& scene_;

@@ -73,14 +73,14 @@ double ImplicitSolver::energy() const {
     return energy;
 }
 
-double ImplicitSolver::largest_speed() {
+Eigen::VectorXd ImplicitSolver::speeds() {
     const double h = model_.scene.solver.time_step;
     before_ = x_;
     Positions next = x_;
     const ImplicitStep::Target target{&before_, &before_, h};
     DrapeReport unreported;
     step_.iterate(target, next, unreported);
-    return std::sqrt((next - before_).rowwise().squaredNorm().maxCoeff()) / h;
+    return (next - before_).rowwise().norm() / h;
 }
 
 }  // namespace toile::simulate

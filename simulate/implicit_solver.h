@@ -17,7 +17,8 @@ class ImplicitSolver final : public Solver {
     void settle() override;
     const Positions& position() const override { return x_; }
     double residual_force() override;
-    double largest_speed() override;
+    double largest_speed() override { return speeds().maxCoeff(); }
+    Eigen::VectorXd speeds() override;
     double energy() const override;
 
   private:

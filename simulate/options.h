@@ -49,7 +49,8 @@ struct SolverOptions {
     Eigen::Vector3d gravity = {0.0, -9.81, 0.0};  ///< [m/s^2]
     double residual_tolerance = 5e-4;             ///< residual force over the garment's weight, 1e-9 to 0.1
     double speed_tolerance = 0.001;               ///< largest vertex speed at rest [m/s]
-    int max_iterations = 1000;                    ///< Newton iterations for one drape
+    int max_iterations = 1000;                    ///< to come to rest, 1 to 1000000
+    int stall_iterations = 250;                   ///< a drape ends when these have not lowered its residual by a tenth
     XpbdOptions xpbd;
 };
 
@@ -58,13 +59,6 @@ struct ScheduleOptions {
     double joint_step = 0.12;        ///< largest rotation of any joint in one path step [rad], 0.005 to 1
     int path_iterations = 3;         ///< Newton iterations at most in a path step, 1 to 100
     double path_tolerance = 0.0005;  ///< a path step ends once an iteration moves no vertex further than this [m]
-};
-
-/// What a drape must satisfy to be accepted.
-struct GateOptions {
-    double body_penetration = 0.001;  ///< [m]
-    double residual_force = 0.001;    ///< over the garment's weight
-    double max_stretch = 1.3;         ///< edge length over rest length
 };
 
 }  // namespace toile::simulate

@@ -32,6 +32,8 @@ class Solver {
     virtual double residual_force() = 0;
     /// The largest speed with which a vertex would set out from where it is now [m/s].
     virtual double largest_speed() = 0;
+    /// That of every vertex `[V]` [m/s]; a solver that knows only the largest says it of all.
+    virtual Eigen::VectorXd speeds() { return Eigen::VectorXd::Constant(position().rows(), largest_speed()); }
     /// Potential and kinetic energy of the cloth where it is now [J]: what a step towards rest must not raise. NaN
     /// where a solver's forces have no energy.
     virtual double energy() const { return std::numeric_limits<double>::quiet_NaN(); }

@@ -1,0 +1,86 @@
+#include "generate/replay.h"
+
+#include <cstdio>
+#include <filesystem>
+
+#include "cloth/error.h"
+#include "files/mesh_file.h"
+#include "generate/dataset_header.h"
+#include "generate/single.h"
+
+namespace toile::generate {
+
+namespace fs = std::filesystem;
+
+std::unique_ptr<files::ReplayRecord> replay_record(const DressedScene& dressed, const Sample& sample) {
+    if (sample.status == simulate::DrapeStatus::accepted) return nullptr;
+    const SceneConfig& config = dressed.scene.config;
+    auto record = std::make_unique<files::ReplayRecord>();
+    record->config = config.absolute_text;
+    record->config_hash = config.hash;
+    record->program_version = TOILE_VERSION;
+    record->id = sample.id;
+    record->reason = simulate::status_reason(sample.status);
+    record->pose = sample.pose;
+    record->start = dressed.neutral.position;
+    record->cloth = sample.draped;
+    record->certificate = certificate_record(sample.certificate);
+    for (const simulate::TryRecord& one : sample.tries)
+        record->tries.push_back({std::string(simulate::rung_name(one.rung)),
+                                 std::string(simulate::status_reason(one.status)),
+                                 certificate_record(one.certificate)});
+    return record;
+}
+
+ReplayFolder::~ReplayFolder() {
+    if (written_.empty()) return;
+    std::error_code ignored;
+    for (const std::string& file : written_) fs::remove(file, ignored);
+    fs::remove(path_, ignored);  // refuses unless it is empty
+}
+
+std::string ReplayFolder::write(const files::ReplayRecord& record) {
+    std::error_code failure;
+    fs::create_directory(path_, failure);
+    if (failure) throw Error("the folder of replays cannot be made: " + failure.message(), path_);
+    char name[40];
+    std::snprintf(name, sizeof name, "pose_%06lld.h5", static_cast<long long>(record.id));
+    const std::string file = (fs::path(path_) / name).string();
+    written_.push_back(file);
+    files::write_replay(file, record);
+    return file;
+}
+
+namespace {
+
+void check_fits(const Scene& scene, const files::ReplayRecord& record, const std::string& file) {
+    if (!scene.body) throw Error("the scene of this replay has no [body]", file);
+    if (record.pose.rows() != scene.body->joint_count())
+        throw Error("the replay has a pose of " + std::to_string(record.pose.rows()) + " joints, its body " +
+                        std::to_string(scene.body->joint_count()),
+                    file + ":/replay/pose");
+    if (record.start.rows() != scene.garment.mesh.vertex_count())
+        throw Error("the replay starts from " + std::to_string(record.start.rows()) + " vertices, its garment has " +
+                        std::to_string(scene.garment.mesh.vertex_count()),
+                    file + ":/replay/start");
+}
+
+}  // namespace
+
+Replayed replay_once(const std::string& replay, const std::vector<std::string>& overrides, const std::string& path) {
+    check_mesh_path(path);
+    Replayed again;
+    again.recorded = files::read_replay(replay);
+    const SceneConfig config = read_scene_text(again.recorded.config, replay, overrides);
+    again.same_inputs = config.hash == again.recorded.config_hash;
+    const Scene scene = build_scene(config);
+    check_fits(scene, again.recorded, replay);
+    again.drape = make_draper(scene)->drape(again.recorded.start, again.recorded.pose);
+    again.same_cloth = again.drape.position == again.recorded.cloth;
+    again.same_certificate = files::certificate_bytes(certificate_record(again.drape.certificate)) ==
+                             files::certificate_bytes(again.recorded.certificate);
+    if (again.drape.position.allFinite()) files::write_mesh(path, scene.garment.mesh.triangle, again.drape.position);
+    return again;
+}
+
+}  // namespace toile::generate
