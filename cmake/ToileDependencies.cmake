@@ -66,6 +66,11 @@ if(TOILE_SKIN OR TOILE_PATTERN)
   toile_require(CGAL_FOUND CGAL "libcgal-dev (with libgmp-dev, libmpfr-dev)")
 endif()
 
+if(TOILE_SIMULATE AND TOILE_BULLET)
+  pkg_check_modules(BULLET QUIET IMPORTED_TARGET bullet-float64)
+  toile_require(BULLET_FOUND "Bullet in double precision (or -DTOILE_BULLET=OFF)" libbullet-dev)
+endif()
+
 if(TOILE_PATTERN)
   find_path(STB_INCLUDE_DIR stb/stb_rect_pack.h)
   toile_require(STB_INCLUDE_DIR stb libstb-dev)

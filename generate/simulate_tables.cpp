@@ -57,7 +57,8 @@ void bind_level_set(ConfigTable& root, SceneConfig& config) {
 void bind_solver(ConfigTable& root, SceneConfig& config) {
     ConfigTable table = root.section("simulate", "the integrator, and what at rest means");
     simulate::SolverOptions& s = config.solver;
-    table.choice<std::string>("solver", s.solver, {{"implicit", "implicit"}}, "implicit Euler by Newton's method");
+    table.choice<std::string>("solver", s.solver, {{"implicit", "implicit"}, {"bullet", "bullet"}},
+                              "implicit: implicit Euler by Newton's method; bullet: Bullet's soft body");
     table.real("time_step", s.time_step, {.lower = 0.0001, .upper = 0.2, .unit = "s", .doc = "while the cloth moves"});
     table.real("damping", s.damping,
                {.lower = 0, .upper = 1000, .unit = "1/s", .doc = "proportional to mass, relative to the moving body"});
@@ -70,6 +71,19 @@ void bind_solver(ConfigTable& root, SceneConfig& config) {
                   {.lower = 1, .upper = 1000000, .doc = "iterations to come to rest"});
     table.integer("stall_iterations", s.stall_iterations,
                   {.lower = 1, .upper = 1000000, .doc = "gives up when these lower the residual by less than a tenth"});
+}
+
+void bind_bullet(ConfigTable& root, SceneConfig& config) {
+    ConfigTable table = root.section("bullet", "Bullet's soft body");
+    simulate::BulletOptions& b = config.solver.bullet;
+    table.real("substep", b.substep,
+               {.lower = 0.00001, .upper = 0.1, .unit = "s", .doc = "at most; a shorter one stretches less"});
+    table.integer("position_iterations", b.position_iterations,
+                  {.lower = 1, .upper = 1000, .doc = "passes over links and contacts in a substep"});
+    table.integer("settle_substeps", b.settle_substeps,
+                  {.lower = 1, .upper = 10000, .doc = "substeps in one settling step"});
+    table.real("settle_damping", b.settle_damping,
+               {.lower = 0, .upper = 1000, .unit = "1/s", .doc = "while settling, where it is above simulate.damping"});
 }
 
 void bind_path(ConfigTable& root, SceneConfig& config) {
@@ -92,6 +106,7 @@ void bind_simulate(ConfigTable& root, SceneConfig& config) {
     bind_contact(root, config);
     if (config.body || root.has("level_set")) bind_level_set(root, config);
     bind_solver(root, config);
+    if (config.solver.solver == "bullet" || root.has("bullet")) bind_bullet(root, config);
     if (config.body || root.has("path")) bind_path(root, config);
     bind_gate(root, config);
 }

@@ -41,6 +41,14 @@ struct XpbdOptions {
     bool keep_forces = true;  ///< a step starts from the last one's forces: rest is then exact whatever the step
 };
 
+/// What `bullet` has of its own.
+struct BulletOptions {
+    double substep = 0.0005;      ///< Bullet's fixed step, at most [s], 0.00001 to 0.1: a shorter one stretches less
+    int position_iterations = 2;  ///< passes over links and contacts in a substep, 1 to 1000
+    int settle_substeps = 20;     ///< substeps in one settling step, 1 to 10000
+    double settle_damping = 8.0;  ///< while settling, where it is above `damping` [1/s], 0 to 1000
+};
+
 /// The integrator and what "at rest" means.
 struct SolverOptions {
     std::string solver = "implicit";              ///< "implicit" or "xpbd"
@@ -52,6 +60,7 @@ struct SolverOptions {
     int max_iterations = 1000;                    ///< to come to rest, 1 to 1000000
     int stall_iterations = 250;                   ///< a drape ends when these have not lowered its residual by a tenth
     XpbdOptions xpbd;
+    BulletOptions bullet;
 };
 
 /// The way from the neutral drape to a pose.
