@@ -32,7 +32,7 @@ BendingStencil bending_stencil(const ClothMesh& mesh, const Eigen::Vector4i& hin
     BendingStencil stencil;
     stencil.weight << t0.cotangent_b + t1.cotangent_b, t0.cotangent_a + t1.cotangent_a,
         -t0.cotangent_a - t0.cotangent_b, -t1.cotangent_a - t1.cotangent_b;
-    stencil.scale = 3.0 / (t0.area + t1.area);
+    stencil.scale = 1.0 / (t0.area + t1.area);
     return stencil;
 }
 

@@ -1,106 +1,165 @@
 #include "simulate/elasticity.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace toile::simulate {
 namespace {
 
 constexpr int hinge_pair[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
+/// Tension that a cloth 1 % beyond its strain limit carries at least [N/m]: some hundred times what a garment's weight
+/// asks of it.
+constexpr double least_limit_tension = 500.0;
+
+Eigen::Map<const Eigen::Vector3d> at(const Positions& x, int vertex) {
+    return Eigen::Map<const Eigen::Vector3d>(x.data() + 3 * static_cast<std::ptrdiff_t>(vertex));
+}
+Eigen::Map<Eigen::Vector3d> at(Positions& x, int vertex) {
+    return Eigen::Map<Eigen::Vector3d>(x.data() + 3 * static_cast<std::ptrdiff_t>(vertex));
+}
+
+template <std::size_t N>
+Eigen::Matrix<double, 3, static_cast<int>(N)> gather(const Positions& x, const std::array<int, N>& vertex) {
+    Eigen::Matrix<double, 3, static_cast<int>(N)> columns;
+    for (std::size_t i = 0; i < N; ++i) columns.col(static_cast<int>(i)) = at(x, vertex[i]);
+    return columns;
+}
+
+template <std::size_t N, class Local>
+void scatter(const Local& local, const std::array<int, N>& vertex, Positions& gradient) {
+    for (std::size_t i = 0; i < N; ++i) at(gradient, vertex[i]) += local.template segment<3>(3 * static_cast<int>(i));
+}
+
 }  // namespace
 
 Elasticity::Elasticity(const ClothMesh& mesh, const Topology& topology, const MembraneOptions& membrane,
-                       const std::optional<BendingOptions>& bending, const Eigen::Vector3d& gravity)
-    : mesh_(mesh),
-      stiffness_(MembraneStiffness::from_moduli(membrane.weft_stiffness, membrane.warp_stiffness,
-                                                membrane.shear_stiffness, membrane.poisson_ratio)),
+                       const std::optional<BendingOptions>& bending, const Eigen::Vector3d& gravity,
+                       const std::optional<StrainLimitOptions>& strain_limit)
+    : stiffness_(MembraneStiffness::from_moduli(membrane.weft_stiffness, membrane.warp_stiffness,
+                                                membrane.shear_stiffness, membrane.poisson_ratio,
+                                                membrane.compression)),
       weight_(mesh.mass * gravity.transpose()) {
-    for (int f = 0; f < mesh.triangle_count(); ++f) membrane_.push_back(membrane_stencil(mesh, f));
-    if (!bending) return;
-    bending_stiffness_ = bending->stiffness;
-    hinge_ = build_hinges(topology, mesh.triangle);
+    for (int f = 0; f < mesh.triangle_count(); ++f) {
+        const auto t = mesh.triangle.row(f);
+        triangle_.push_back({{t[0], t[1], t[2]}, {}, membrane_stencil(mesh, f)});
+    }
+    if (bending) add_bending(mesh, topology, *bending);
+    if (strain_limit) add_strain_limit(membrane, *strain_limit, weight_.colwise().sum().norm());
+}
+
+void Elasticity::add_bending(const ClothMesh& mesh, const Topology& topology, const BendingOptions& options) {
+    bending_stiffness_ = options.stiffness;
+    const auto hinge = build_hinges(topology, mesh.triangle);
     int h = 0;
     for (int e = 0; e < topology.edge.rows(); ++e) {
-        if (topology.edge_triangle(e, 1) < 0) continue;
-        bending_.push_back(bending_stencil(mesh, hinge_.row(h++).transpose(), topology.edge_triangle(e, 0),
-                                           topology.edge_triangle(e, 1)));
+        const int first = topology.edge_triangle(e, 0), second = topology.edge_triangle(e, 1);
+        if (second < 0) continue;
+        const Eigen::Vector4i v = hinge.row(h++).transpose();
+        const std::array<int, 4> vertex = {v[0], v[1], v[2], v[3]};
+        if (options.rest == BendingRest::start) {
+            folded_hinge_.push_back({vertex, {}, fold_stencil(mesh, v, first, second)});
+        } else {
+            const BendingStencil stencil = bending_stencil(mesh, v, first, second);
+            flat_hinge_.push_back({vertex, std::sqrt(options.stiffness * stencil.scale) * stencil.weight});
+        }
     }
+}
+
+void Elasticity::add_strain_limit(const MembraneOptions& membrane, const StrainLimitOptions& options, double weight) {
+    // All of the weight on one triangle's width is the most that a pin can ask for.
+    double area = 0.0;
+    for (const Triangle& triangle : triangle_) area += triangle.stencil.area;
+    const double width = std::sqrt(2.0 * area / static_cast<double>(triangle_.size()));
+    const double stiffness = std::max(membrane.warp_stiffness, membrane.weft_stiffness);
+    const double tension = std::max({least_limit_tension, 0.5 * stiffness, weight / width});
+    strain_limit_ = StrainLimit::carrying(options.weft, options.warp, tension);
 }
 
 std::vector<std::pair<int, int>> Elasticity::pairs() const {
     std::vector<std::pair<int, int>> pairs;
-    for (int f = 0; f < mesh_.triangle_count(); ++f)
-        for (int i = 0; i < 3; ++i) pairs.emplace_back(mesh_.triangle(f, i), mesh_.triangle(f, (i + 1) % 3));
-    for (int h = 0; h < hinge_.rows(); ++h)
-        for (const auto& [i, j] : hinge_pair) pairs.emplace_back(hinge_(h, i), hinge_(h, j));
+    for (const Triangle& t : triangle_)
+        for (int i = 0; i < 3; ++i) pairs.emplace_back(t.vertex[i], t.vertex[(i + 1) % 3]);
+    for (const auto& [i, j] : hinge_pair) {
+        for (const FlatHinge& hinge : flat_hinge_) pairs.emplace_back(hinge.vertex[i], hinge.vertex[j]);
+        for (const FoldedHinge& hinge : folded_hinge_) pairs.emplace_back(hinge.vertex[i], hinge.vertex[j]);
+    }
     return pairs;
 }
 
 void Elasticity::bind(const BlockSymbolic& symbolic) {
-    for (int f = 0; f < mesh_.triangle_count(); ++f) {
-        const auto t = mesh_.triangle.row(f);
-        membrane_slot_.push_back({symbolic.slot(t[0], t[1]), symbolic.slot(t[1], t[2]), symbolic.slot(t[2], t[0])});
+    for (Triangle& t : triangle_)
+        for (int i = 0; i < 3; ++i) t.slot[i] = symbolic.slot(t.vertex[i], t.vertex[(i + 1) % 3]);
+    for (FoldedHinge& hinge : folded_hinge_)
+        for (int k = 0; k < 6; ++k)
+            hinge.slot[k] = symbolic.slot(hinge.vertex[hinge_pair[k][0]], hinge.vertex[hinge_pair[k][1]]);
+    if (flat_hinge_.empty()) return;
+    flat_hessian_.assign(symbolic.slot_count(), 0.0);
+    for (const FlatHinge& hinge : flat_hinge_) {
+        for (int i = 0; i < 4; ++i) flat_hessian_[hinge.vertex[i]] += hinge.weight[i] * hinge.weight[i];
+        for (const auto& [i, j] : hinge_pair)
+            flat_hessian_[symbolic.slot(hinge.vertex[i], hinge.vertex[j])] += hinge.weight[i] * hinge.weight[j];
     }
-    for (int h = 0; h < hinge_.rows(); ++h) {
-        std::array<int, 6>& slots = bending_slot_.emplace_back();
-        for (int k = 0; k < 6; ++k) slots[k] = symbolic.slot(hinge_(h, hinge_pair[k][0]), hinge_(h, hinge_pair[k][1]));
-    }
-}
-
-TrianglePositions Elasticity::corners(const Positions& x, int triangle) const {
-    const auto t = mesh_.triangle.row(triangle);
-    TrianglePositions columns;
-    for (int i = 0; i < 3; ++i) columns.col(i) = x.row(t[i]).transpose();
-    return columns;
 }
 
 double Elasticity::energy(const Positions& x) const {
     double energy = -(weight_.cwiseProduct(x)).sum();
-    for (int f = 0; f < mesh_.triangle_count(); ++f) energy += membrane_energy(membrane_[f], stiffness_, corners(x, f));
-    for (int h = 0; h < hinge_.rows(); ++h) {
-        HingePositions columns;
-        for (int i = 0; i < 4; ++i) columns.col(i) = x.row(hinge_(h, i)).transpose();
-        energy += bending_energy(bending_[h], bending_stiffness_, columns);
-    }
+    for (const Triangle& t : triangle_) energy += membrane_energy(t.stencil, stiffness_, gather(x, t.vertex));
+    if (strain_limit_)
+        for (const Triangle& t : triangle_)
+            energy += strain_limit_energy(t.stencil, *strain_limit_, gather(x, t.vertex));
+    for (const FlatHinge& hinge : flat_hinge_) energy += 0.5 * (gather(x, hinge.vertex) * hinge.weight).squaredNorm();
+    for (const FoldedHinge& hinge : folded_hinge_)
+        energy += fold_energy(hinge.stencil, bending_stiffness_, gather(x, hinge.vertex));
     return energy;
 }
 
 void Elasticity::add_gradient(const Positions& x, Positions& gradient) const {
     gradient -= weight_;
-    for (int f = 0; f < mesh_.triangle_count(); ++f) {
-        const TriangleGradient local = membrane_gradient(membrane_[f], stiffness_, corners(x, f));
-        for (int i = 0; i < 3; ++i) gradient.row(mesh_.triangle(f, i)) += local.segment<3>(3 * i).transpose();
+    for (const Triangle& t : triangle_)
+        scatter(membrane_gradient(t.stencil, stiffness_, gather(x, t.vertex)), t.vertex, gradient);
+    if (strain_limit_)
+        for (const Triangle& t : triangle_)
+            scatter(strain_limit_gradient(t.stencil, *strain_limit_, gather(x, t.vertex)), t.vertex, gradient);
+    for (const FlatHinge& hinge : flat_hinge_) {
+        const Eigen::Vector3d curvature = gather(x, hinge.vertex) * hinge.weight;
+        for (int i = 0; i < 4; ++i) at(gradient, hinge.vertex[i]) += hinge.weight[i] * curvature;
     }
-    for (int h = 0; h < hinge_.rows(); ++h) {
-        HingePositions columns;
-        for (int i = 0; i < 4; ++i) columns.col(i) = x.row(hinge_(h, i)).transpose();
-        const Eigen::Matrix<double, 12, 1> local = bending_gradient(bending_[h], bending_stiffness_, columns);
-        for (int i = 0; i < 4; ++i) gradient.row(hinge_(h, i)) += local.segment<3>(3 * i).transpose();
+    for (const FoldedHinge& hinge : folded_hinge_)
+        scatter(fold_gradient(hinge.stencil, bending_stiffness_, gather(x, hinge.vertex)), hinge.vertex, gradient);
+}
+
+void Elasticity::add_hessian(const Triangle& t, const TriangleHessian& local, BlockValues& hessian) const {
+    for (int i = 0; i < 3; ++i) {
+        hessian.add(t.vertex[i], local.block<3, 3>(3 * i, 3 * i));
+        const int j = (i + 1) % 3;
+        const bool row_is_larger = t.vertex[i] > t.vertex[j];
+        const int row = row_is_larger ? i : j, column = row_is_larger ? j : i;
+        hessian.add(t.slot[i], local.block<3, 3>(3 * row, 3 * column));
+    }
+}
+
+void Elasticity::add_hessian(const FoldedHinge& hinge, const FoldHessian& local, BlockValues& hessian) const {
+    for (int i = 0; i < 4; ++i) hessian.add(hinge.vertex[i], local.block<3, 3>(3 * i, 3 * i));
+    for (int k = 0; k < 6; ++k) {
+        const auto& [i, j] = hinge_pair[k];
+        const bool row_is_larger = hinge.vertex[i] > hinge.vertex[j];
+        const int row = row_is_larger ? i : j, column = row_is_larger ? j : i;
+        hessian.add(hinge.slot[k], local.block<3, 3>(3 * row, 3 * column));
     }
 }
 
 void Elasticity::add_hessian(const Positions& x, BlockValues& hessian) const {
-    for (int f = 0; f < mesh_.triangle_count(); ++f) {
-        const auto t = mesh_.triangle.row(f);
-        const TrianglePositions columns = corners(x, f);
-        const TriangleHessian local = membrane_projected_hessian(membrane_[f], stiffness_, columns);
-        for (int i = 0; i < 3; ++i) {
-            hessian.add(t[i], local.block<3, 3>(3 * i, 3 * i));
-            const int j = (i + 1) % 3;
-            const bool row_is_larger = t[i] > t[j];
-            const Eigen::Matrix3d block =
-                row_is_larger ? local.block<3, 3>(3 * i, 3 * j) : local.block<3, 3>(3 * j, 3 * i);
-            hessian.add(membrane_slot_[f][i], block);
-        }
+    for (const Triangle& t : triangle_) {
+        const TrianglePositions corners = gather(x, t.vertex);
+        add_hessian(t, membrane_projected_hessian(t.stencil, stiffness_, corners), hessian);
+        if (strain_limit_ && strain_limit_acts(t.stencil, *strain_limit_, corners))
+            add_hessian(t, strain_limit_hessian(t.stencil, *strain_limit_, corners), hessian);
     }
-    for (int h = 0; h < hinge_.rows(); ++h) {
-        const Eigen::Matrix4d local = bending_hessian(bending_[h], bending_stiffness_);
-        for (int i = 0; i < 4; ++i) hessian.add_identity(hinge_(h, i), local(i, i));
-        for (int k = 0; k < 6; ++k) {
-            const auto& [i, j] = hinge_pair[k];
-            hessian.add_identity(bending_slot_[h][k], local(i, j));
-        }
-    }
+    for (std::size_t slot = 0; slot < flat_hessian_.size(); ++slot)
+        if (flat_hessian_[slot] != 0.0) hessian.add_identity(static_cast<int>(slot), flat_hessian_[slot]);
+    for (const FoldedHinge& hinge : folded_hinge_)
+        add_hessian(hinge, fold_projected_hessian(hinge.stencil, bending_stiffness_, gather(x, hinge.vertex)), hessian);
 }
 
 }  // namespace toile::simulate

@@ -8,18 +8,21 @@
 #include "cloth/bending.h"
 #include "cloth/block_values.h"
 #include "cloth/cloth_mesh.h"
+#include "cloth/fold.h"
 #include "cloth/membrane.h"
+#include "cloth/strain_limit.h"
 #include "cloth/topology.h"
 #include "simulate/material.h"
 
 namespace toile::simulate {
 
-/// Membrane, bending and weight of one garment: energy, gradient and Hessian in the positions. Const and shared by
-/// threads.
+/// Membrane, bending, strain limit and weight of one garment: energy, gradient and Hessian in the positions. Const and
+/// shared by threads.
 class Elasticity {
   public:
     Elasticity(const ClothMesh& mesh, const Topology& topology, const MembraneOptions& membrane,
-               const std::optional<BendingOptions>& bending, const Eigen::Vector3d& gravity);
+               const std::optional<BendingOptions>& bending, const Eigen::Vector3d& gravity,
+               const std::optional<StrainLimitOptions>& strain_limit = std::nullopt);
 
     /// Vertex pairs that share a stencil: the Hessian's graph.
     std::vector<std::pair<int, int>> pairs() const;
@@ -33,17 +36,34 @@ class Elasticity {
     void add_hessian(const Positions& x, BlockValues& hessian) const;
 
   private:
-    TrianglePositions corners(const Positions& x, int triangle) const;
+    struct Triangle {
+        std::array<int, 3> vertex, slot;  // slots of corner pairs (1,0), (2,1), (0,2)
+        MembraneStencil stencil;
+    };
+    /// A hinge that is flat at rest: E = ½ |Σ w x|², the stiffness in the weights.
+    struct FlatHinge {
+        std::array<int, 4> vertex;
+        Eigen::Vector4d weight;
+    };
+    struct FoldedHinge {
+        std::array<int, 4> vertex;
+        std::array<int, 6> slot;
+        FoldStencil stencil;
+    };
 
-    const ClothMesh& mesh_;
+    void add_bending(const ClothMesh& mesh, const Topology& topology, const BendingOptions& options);
+    void add_strain_limit(const MembraneOptions& membrane, const StrainLimitOptions& options, double weight);
+    void add_hessian(const Triangle& triangle, const TriangleHessian& local, BlockValues& hessian) const;
+    void add_hessian(const FoldedHinge& hinge, const FoldHessian& local, BlockValues& hessian) const;
+
     MembraneStiffness stiffness_;
-    std::vector<MembraneStencil> membrane_;
-    std::vector<std::array<int, 3>> membrane_slot_;  // of corner pairs (1,0), (2,1), (0,2)
+    std::optional<StrainLimit> strain_limit_;
+    std::vector<Triangle> triangle_;
     double bending_stiffness_ = 0.0;
-    Eigen::Matrix<int, -1, 4, Eigen::RowMajor> hinge_;  // empty without bending
-    std::vector<BendingStencil> bending_;
-    std::vector<std::array<int, 6>> bending_slot_;
-    Positions weight_;  // force of gravity on each vertex [N]
+    std::vector<FlatHinge> flat_hinge_;  // empty without bending; else one of the two is
+    std::vector<FoldedHinge> folded_hinge_;
+    std::vector<double> flat_hessian_;  // of all flat hinges: what each slot's identity is multiplied with
+    Positions weight_;                  // force of gravity on each vertex [N]
 };
 
 }  // namespace toile::simulate

@@ -37,11 +37,11 @@ TEST(Bending, FlatCostsNothing) {
 }
 
 TEST(Bending, FoldedMeetsTheHingeFormula) {
-    // E = ½ k 3 / (A0 + A1) (2 |e| sin(θ/2))², whatever the angle, as long as lengths are kept.
+    // E = ½ k / (A0 + A1) (2 |e| sin(θ/2))², whatever the angle, as long as lengths are kept.
     const BendingStencil stencil = bending_stencil(two_triangles(), hinge, 0, 1);
     const double area = 0.5 * 0.02 * 0.017 + 0.5 * 0.02 * 0.02;
     for (double angle : {0.1, 1.0, 2.5, 3.14159}) {
-        const double expected = 0.5 * 2e-5 * 3.0 / area * std::pow(2.0 * 0.02 * std::sin(0.5 * angle), 2);
+        const double expected = 0.5 * 2e-5 / area * std::pow(2.0 * 0.02 * std::sin(0.5 * angle), 2);
         EXPECT_NEAR(bending_energy(stencil, 2e-5, folded(angle)) / expected, 1.0, 1e-9) << angle;
     }
 }
@@ -71,6 +71,37 @@ TEST(Bending, HessianIsTheGradientsDerivativeAndSemidefinite) {
         test::check_jacobian(gradient, hessian, Eigen::Map<const Eigen::VectorXd>(x.data(), 12), 0.02, 1e-7);
     EXPECT_TRUE(check.passed) << check.message;
     EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(weight).eigenvalues().minCoeff(), -1e-9 * weight.norm());
+}
+
+/// Bending energy per area, over ½ k κ², of a plane lattice with sides p, q and p - q that is rolled up around an axis
+/// at `angle`: one hinge of each family stands for all.
+double rolled_energy_ratio(const Eigen::Vector2d& p, const Eigen::Vector2d& q, double angle, double curvature) {
+    const Eigen::Vector2d across(std::cos(angle), std::sin(angle)), along(-across.y(), across.x());
+    double energy = 0.0;
+    const std::pair<Eigen::Vector2d, Eigen::Vector2d> family[] = {{p, q}, {q, q - p}, {q - p, -p}};
+    for (const auto& [edge, apex] : family) {
+        ClothMesh mesh = two_triangles();
+        mesh.pattern_position.row(0).setZero();
+        mesh.pattern_position.row(1) = edge.transpose();
+        mesh.pattern_position.row(2) = apex.transpose();
+        mesh.pattern_position.row(3) = (edge - apex).transpose();
+        HingePositions x;
+        for (int v = 0; v < 4; ++v) {
+            const Eigen::Vector2d at = mesh.pattern_position.row(v).transpose();
+            const double turn = curvature * at.dot(across);
+            x.col(v) << std::sin(turn) / curvature, (1.0 - std::cos(turn)) / curvature, at.dot(along);
+        }
+        energy += bending_energy(bending_stencil(mesh, hinge, 0, 1), 1.0, x);
+    }
+    const double area = std::abs(p.x() * q.y() - p.y() * q.x());  // of the two triangles that have one of each family
+    return energy / area / (0.5 * curvature * curvature);
+}
+
+TEST(Bending, ACylinderCostsItsRigidity) {
+    for (double angle = 0.0; angle < 3.2; angle += 0.2)
+        EXPECT_NEAR(rolled_energy_ratio({0.01, 0}, {0.005, 0.01 * std::sqrt(0.75)}, angle, 5.0), 1.0, 1e-3);
+    for (const double angle : {0.0, 0.5 * M_PI})
+        EXPECT_NEAR(rolled_energy_ratio({0.01, 0}, {0, 0.01}, angle, 5.0), 1.0, 1e-3);
 }
 
 TEST(Bending, StiffnessScalesTheEnergyAlone) {
