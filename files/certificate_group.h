@@ -17,7 +17,7 @@ struct CertificateDetail {
 struct CertificateRecord {
     double residual_force = 0, body_penetration = 0, max_stretch = 0, min_stretch = 0, max_speed = 0, seconds = 0;
     int self_intersections = 0;
-    std::optional<CertificateDetail> detail;  ///< all samples of a file have it, or none
+    std::optional<CertificateDetail> detail = {};  ///< all samples of a file have it, or none
 };
 
 /// /certificate/*, one value a sample, without `seconds`. Throws Error where some have details and some have not.

@@ -3,6 +3,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/box_intersection_d.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 #include <optional>
