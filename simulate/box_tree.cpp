@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <boost/sort/spreadsort/integer_sort.hpp>
+#include <cmath>
 #include <limits>
 
 namespace toile::simulate {
@@ -26,6 +27,16 @@ Box Box::empty() {
     box.low.fill(std::numeric_limits<float>::infinity());
     box.high.fill(-std::numeric_limits<float>::infinity());
     return box;
+}
+
+void Box::widen(float margin) {
+    constexpr float rounding = 4.0f * std::numeric_limits<float>::epsilon();
+    constexpr float least = std::numeric_limits<float>::min();
+    if (!(low[0] <= high[0])) return;  // empty
+    for (int k = 0; k < 3; ++k) {
+        low[k] -= margin + rounding * (std::abs(low[k]) + margin) + least;
+        high[k] += margin + rounding * (std::abs(high[k]) + margin) + least;
+    }
 }
 
 void EightBoxes::set(int slot, const Box& box) {

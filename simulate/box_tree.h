@@ -25,6 +25,9 @@ struct alignas(16) Box {
     }
     /// Overlaps nothing.
     static Box empty();
+    /// Moves all sides outwards, by the margin and by what the roundings of this and of the sides themselves can take
+    /// away.
+    void widen(float margin);
 };
 
 /// Eight boxes, coordinate by coordinate, so that one box is tested against all at once.
@@ -67,12 +70,13 @@ class BoxTree {
     /// Most coordinates should be within `reach` of 0; what is further than twice that is sorted less well.
     void build(const std::vector<Box>& box, float reach);
 
-    /// Calls visit(i, j) for every box i of this tree and j of the other that overlap or touch.
+    /// Calls visit(i, j) for every box i of this tree and j of the other that overlap or touch, as long as it returns
+    /// true. False where it was stopped.
     template <typename Visit>
-    void each_overlap(const BoxTree& other, Visit&& visit) const;
-    /// Calls visit(i, j) once for every two boxes of this tree that overlap or touch, in either order.
+    bool each_overlap(const BoxTree& other, Visit&& visit) const;
+    /// Calls visit(i, j) once for every two boxes of this tree that overlap or touch, in either order; the same.
     template <typename Visit>
-    void each_overlap(Visit&& visit) const;
+    bool each_overlap(Visit&& visit) const;
 
   private:
     void sort(const std::vector<Box>& box, float reach);
@@ -80,10 +84,10 @@ class BoxTree {
 
     // Calls visit(group) for every lowest group, from `first` on, that overlaps the box.
     template <typename Visit>
-    void each_group(const Box& box, int first, Visit&& visit) const;
+    bool each_group(const Box& box, int first, Visit&& visit) const;
     // Calls visit(i, j) for what overlaps of group a of this tree and group b of the other.
     template <bool Same, typename Visit>
-    void each_pair(int a, const BoxTree& other, int b, Visit&& visit) const;
+    bool each_pair(int a, const BoxTree& other, int b, Visit&& visit) const;
 
     std::vector<std::uint64_t> key_;
     std::vector<int> order_;                      // index of each sorted box
@@ -92,7 +96,7 @@ class BoxTree {
 };
 
 template <typename Visit>
-void BoxTree::each_group(const Box& box, int first, Visit&& visit) const {
+bool BoxTree::each_group(const Box& box, int first, Visit&& visit) const {
     struct Entry {
         int level, group;
     };
@@ -105,16 +109,17 @@ void BoxTree::each_group(const Box& box, int first, Visit&& visit) const {
     while (size > 0) {
         const Entry entry = stack[--size];
         if (entry.level == 0) {
-            visit(entry.group);
+            if (!visit(entry.group)) return false;
             continue;
         }
         for (unsigned bits = level_[entry.level][entry.group].overlapping(box); bits != 0; bits &= bits - 1)
             push(entry.level - 1, 8 * entry.group + __builtin_ctz(bits));
     }
+    return true;
 }
 
 template <bool Same, typename Visit>
-void BoxTree::each_pair(int a, const BoxTree& other, int b, Visit&& visit) const {
+bool BoxTree::each_pair(int a, const BoxTree& other, int b, Visit&& visit) const {
     const EightBoxes& mine = level_[0][a];
     const EightBoxes& theirs = other.level_[0][b];
     for (unsigned rows = mine.overlapping(other.level_box_[1][b]); rows != 0; rows &= rows - 1) {
@@ -122,21 +127,28 @@ void BoxTree::each_pair(int a, const BoxTree& other, int b, Visit&& visit) const
         unsigned columns = theirs.overlapping(level_box_[0][8 * a + i]);
         if (Same && a == b) columns &= ~0u << (i + 1);
         for (; columns != 0; columns &= columns - 1)
-            visit(order_[8 * a + i], other.order_[8 * b + __builtin_ctz(columns)]);
+            if (!visit(order_[8 * a + i], other.order_[8 * b + __builtin_ctz(columns)])) return false;
     }
+    return true;
 }
 
 template <typename Visit>
-void BoxTree::each_overlap(const BoxTree& other, Visit&& visit) const {
-    if (other.group_count() == 0) return;
-    for (int a = 0; a < group_count(); ++a)
-        other.each_group(level_box_[1][a], 0, [&](int b) { each_pair<false>(a, other, b, visit); });
+bool BoxTree::each_overlap(const BoxTree& other, Visit&& visit) const {
+    if (other.group_count() == 0) return true;
+    for (int a = 0; a < group_count(); ++a) {
+        const auto pairs = [&](int b) { return each_pair<false>(a, other, b, visit); };
+        if (!other.each_group(level_box_[1][a], 0, pairs)) return false;
+    }
+    return true;
 }
 
 template <typename Visit>
-void BoxTree::each_overlap(Visit&& visit) const {
-    for (int a = 0; a < group_count(); ++a)
-        each_group(level_box_[1][a], a, [&](int b) { each_pair<true>(a, *this, b, visit); });
+bool BoxTree::each_overlap(Visit&& visit) const {
+    for (int a = 0; a < group_count(); ++a) {
+        const auto pairs = [&](int b) { return each_pair<true>(a, *this, b, visit); };
+        if (!each_group(level_box_[1][a], a, pairs)) return false;
+    }
+    return true;
 }
 
 }  // namespace toile::simulate

@@ -12,16 +12,14 @@ namespace {
 
 using Eigen::RowVector3d;
 
-// Rounded outwards: four times what the two roundings to float can take away.
-Box vertex_box(const RowVector3d& low, const RowVector3d& high, double margin) {
-    constexpr double rounding = 4.0 * std::numeric_limits<float>::epsilon();
-    constexpr double least = std::numeric_limits<float>::min();
+// To the nearest float: `Box::widen` makes up for it. What is not finite has no box.
+Box vertex_box(const RowVector3d& low, const RowVector3d& high) {
     Box box = Box::empty();
-    if (!(low.cwiseAbs().sum() + high.cwiseAbs().sum() + margin < 1e37)) return box;
+    if (!(low.cwiseAbs().sum() + high.cwiseAbs().sum() < 1e37)) return box;
     box.low[3] = box.high[3] = 0.0f;
     for (int k = 0; k < 3; ++k) {
-        box.low[k] = static_cast<float>(low[k] - margin - rounding * (std::abs(low[k]) + margin) - least);
-        box.high[k] = static_cast<float>(high[k] + margin + rounding * (std::abs(high[k]) + margin) + least);
+        box.low[k] = static_cast<float>(low[k]);
+        box.high[k] = static_cast<float>(high[k]);
     }
     return box;
 }
@@ -81,12 +79,11 @@ void sort_keys(std::vector<std::uint64_t>& keys) {
 
 struct Near {
     const Positions& x;
-    double radius;
 
-    bool vertex_triangle(const std::array<int, 4>& point) const {
+    bool vertex_triangle(const std::array<int, 4>& point, double radius) const {
         return vertex_triangle_proximity(gather(x, point)).squared_distance <= radius * radius;
     }
-    bool edge_edge(const std::array<int, 4>& point) const {
+    bool edge_edge(const std::array<int, 4>& point, double radius) const {
         return edge_edge_proximity(gather(x, point)).squared_distance <= radius * radius;
     }
 };
@@ -94,10 +91,9 @@ struct Near {
 struct NearWhileMoving {
     const Positions& x;
     const Positions& motion;
-    double radius;
 
     template <typename Proximity, typename Separation>
-    bool may_meet(const std::array<int, 4>& point, Proximity proximity, Separation separation) const {
+    bool may_meet(const std::array<int, 4>& point, double radius, Proximity proximity, Separation separation) const {
         FourPoints now = gather(x, point);
         const auto nearest = proximity(now);
         if (nearest.squared_distance <= radius * radius) return true;
@@ -108,13 +104,15 @@ struct NearWhileMoving {
         const double apart = std::min(start, separation(nearest.difference, now));
         return !(apart > radius * (1.0 + 1e-9) * nearest.distance());
     }
-    bool vertex_triangle(const std::array<int, 4>& point) const {
-        return may_meet(point, vertex_triangle_proximity, vertex_triangle_separation);
+    bool vertex_triangle(const std::array<int, 4>& point, double radius) const {
+        return may_meet(point, radius, vertex_triangle_proximity, vertex_triangle_separation);
     }
-    bool edge_edge(const std::array<int, 4>& point) const {
-        return may_meet(point, edge_edge_proximity, edge_edge_separation);
+    bool edge_edge(const std::array<int, 4>& point, double radius) const {
+        return may_meet(point, radius, edge_edge_proximity, edge_edge_separation);
     }
 };
+
+constexpr long no_bound = std::numeric_limits<long>::max();
 
 }  // namespace
 
@@ -123,6 +121,22 @@ ContactCandidates::ContactCandidates(const Triangles& triangle, const Edges& edg
     if (triangle.size() > 0 && triangle.minCoeff() < 0) throw Error("a triangle of the contact search has no vertex");
     if (edge.size() > 0 && (edge.minCoeff() < 0 || edge.maxCoeff() >= vertex_count_))
         throw Error("an edge of the contact search is none of its triangles'");
+    vertex_reach_.setZero(vertex_count_);
+    triangle_reach_.setZero(triangle.rows());
+    edge_reach_.setZero(edge.rows());
+}
+
+void ContactCandidates::set_reach(const Eigen::VectorXd& vertex, const Eigen::VectorXd& triangle,
+                                  const Eigen::VectorXd& edge) {
+    if (vertex.size() != vertex_reach_.size() || triangle.size() != triangle_reach_.size() ||
+        edge.size() != edge_reach_.size())
+        throw Error("contact search: a reach is needed for each vertex, triangle and edge");
+    for (const Eigen::VectorXd* reach : {&vertex, &triangle, &edge})
+        if (!reach->allFinite() || (reach->size() > 0 && reach->minCoeff() < 0.0))
+            throw Error("contact search: a reach must be finite and not negative");
+    vertex_reach_ = vertex;
+    triangle_reach_ = triangle;
+    edge_reach_ = edge;
 }
 
 void ContactCandidates::check(const Positions& x, double radius) const {
@@ -136,36 +150,43 @@ void ContactCandidates::check(const Positions& x, double radius) const {
 void ContactCandidates::make_boxes(const Positions& x, const Positions* motion, double radius) {
     const Bulk bulk = bulk_of(x);
     const RowVector3d common = motion ? mean_motion(*motion) : RowVector3d::Zero().eval();
-    const double margin = 0.5 * radius;
     const float reach = static_cast<float>(std::min(bulk.reach, 1e37));
     vertex_box_.resize(vertex_count_);
     for (int v = 0; v < vertex_count_; ++v) {
         const RowVector3d start = x.row(v) - bulk.middle;
         const RowVector3d end = motion ? (start + motion->row(v) - common).eval() : start;
-        vertex_box_[v] = vertex_box(start.cwiseMin(end), start.cwiseMax(end), margin);
+        vertex_box_[v] = vertex_box(start.cwiseMin(end), start.cwiseMax(end));
     }
-    vertex_tree_.build(vertex_box_, reach);
-    box_.resize(triangle_.rows());
-    for (Eigen::Index f = 0; f < triangle_.rows(); ++f)
-        box_[f] =
-            around(around(vertex_box_[triangle_(f, 0)], vertex_box_[triangle_(f, 1)]), vertex_box_[triangle_(f, 2)]);
-    triangle_tree_.build(box_, reach);
-    box_.resize(edge_.rows());
-    for (Eigen::Index e = 0; e < edge_.rows(); ++e)
-        box_[e] = around(vertex_box_[edge_(e, 0)], vertex_box_[edge_(e, 1)]);
-    edge_tree_.build(box_, reach);
+    // Half of the distance to either side: half the lesser reach twice is at most half of each.
+    const auto build = [&](BoxTree& tree, const Eigen::VectorXd& feature_reach, const auto& feature_box) {
+        box_.resize(feature_reach.size());
+        for (Eigen::Index i = 0; i < feature_reach.size(); ++i) {
+            box_[i] = feature_box(i);
+            box_[i].widen(static_cast<float>(0.5 * (radius + feature_reach[i])));
+        }
+        tree.build(box_, reach);
+    };
+    build(vertex_tree_, vertex_reach_, [&](Eigen::Index v) { return vertex_box_[v]; });
+    build(triangle_tree_, triangle_reach_, [&](Eigen::Index f) {
+        return around(around(vertex_box_[triangle_(f, 0)], vertex_box_[triangle_(f, 1)]), vertex_box_[triangle_(f, 2)]);
+    });
+    build(edge_tree_, edge_reach_,
+          [&](Eigen::Index e) { return around(vertex_box_[edge_(e, 0)], vertex_box_[edge_(e, 1)]); });
 }
 
 template <typename Keep>
-void ContactCandidates::find_vertex_triangle(const Keep& keep, std::vector<VertexTrianglePair>& pairs) {
+bool ContactCandidates::find_vertex_triangle(const Keep& keep, double radius, long most,
+                                             std::vector<VertexTrianglePair>& pairs) {
     const auto points = [&](int vertex, int triangle) -> std::array<int, 4> {
         return {vertex, triangle_(triangle, 0), triangle_(triangle, 1), triangle_(triangle, 2)};
     };
     found_.clear();
-    vertex_tree_.each_overlap(triangle_tree_, [&](int vertex, int triangle) {
+    const bool complete = vertex_tree_.each_overlap(triangle_tree_, [&](int vertex, int triangle) {
         const std::array<int, 4> p = points(vertex, triangle);
-        if (p[0] == p[1] || p[0] == p[2] || p[0] == p[3] || !keep.vertex_triangle(p)) return;
-        found_.push_back(key(vertex, triangle));
+        const double within = radius + std::min(vertex_reach_[vertex], triangle_reach_[triangle]);
+        if (p[0] != p[1] && p[0] != p[2] && p[0] != p[3] && keep.vertex_triangle(p, within))
+            found_.push_back(key(vertex, triangle));
+        return --most >= 0;
     });
     sort_keys(found_);
     pairs.clear();
@@ -173,19 +194,22 @@ void ContactCandidates::find_vertex_triangle(const Keep& keep, std::vector<Verte
         const int vertex = static_cast<int>(k >> 32), triangle = static_cast<int>(k & 0xffffffffu);
         pairs.push_back({vertex, triangle, points(vertex, triangle)});
     }
+    return complete;
 }
 
 template <typename Keep>
-void ContactCandidates::find_edge_edge(const Keep& keep, std::vector<EdgeEdgePair>& pairs) {
+bool ContactCandidates::find_edge_edge(const Keep& keep, double radius, long most, std::vector<EdgeEdgePair>& pairs) {
     const auto points = [&](int first, int second) -> std::array<int, 4> {
         return {edge_(first, 0), edge_(first, 1), edge_(second, 0), edge_(second, 1)};
     };
     found_.clear();
-    edge_tree_.each_overlap([&](int one, int other) {
+    const bool complete = edge_tree_.each_overlap([&](int one, int other) {
         const int first = std::min(one, other), second = std::max(one, other);
         const std::array<int, 4> p = points(first, second);
-        if (p[0] == p[2] || p[0] == p[3] || p[1] == p[2] || p[1] == p[3] || !keep.edge_edge(p)) return;
-        found_.push_back(key(first, second));
+        const double within = radius + std::min(edge_reach_[first], edge_reach_[second]);
+        if (p[0] != p[2] && p[0] != p[3] && p[1] != p[2] && p[1] != p[3] && keep.edge_edge(p, within))
+            found_.push_back(key(first, second));
+        return --most >= 0;
     });
     sort_keys(found_);
     pairs.clear();
@@ -193,23 +217,33 @@ void ContactCandidates::find_edge_edge(const Keep& keep, std::vector<EdgeEdgePai
         const int first = static_cast<int>(k >> 32), second = static_cast<int>(k & 0xffffffffu);
         pairs.push_back({first, second, points(first, second)});
     }
+    return complete;
 }
 
 void ContactCandidates::find(const Positions& x, double radius, CandidatePairs& pairs) {
     check(x, radius);
     make_boxes(x, nullptr, radius);
-    const Near keep{x, radius};
-    find_vertex_triangle(keep, pairs.vertex_triangle);
-    find_edge_edge(keep, pairs.edge_edge);
+    find_vertex_triangle(Near{x}, radius, no_bound, pairs.vertex_triangle);
+    find_edge_edge(Near{x}, radius, no_bound, pairs.edge_edge);
 }
 
 void ContactCandidates::find(const Positions& x, const Positions& motion, double radius, CandidatePairs& pairs) {
+    find_bounded(x, motion, radius, no_bound, pairs);
+}
+
+double ContactCandidates::find_bounded(const Positions& x, const Positions& motion, double radius, long most,
+                                       CandidatePairs& pairs) {
     check(x, radius);
     check(motion, radius);
-    make_boxes(x, &motion, radius);
-    const NearWhileMoving keep{x, motion, radius};
-    find_vertex_triangle(keep, pairs.vertex_triangle);
-    find_edge_edge(keep, pairs.edge_edge);
+    Positions part = motion;
+    for (double share = 1.0;; share *= 0.5, part *= 0.5) {
+        if (share < least_share) most = no_bound;
+        make_boxes(x, &part, radius);
+        const NearWhileMoving keep{x, part};
+        if (find_edge_edge(keep, radius, most, pairs.edge_edge) &&
+            find_vertex_triangle(keep, radius, most, pairs.vertex_triangle))
+            return share;
+    }
 }
 
 }  // namespace toile::simulate

@@ -50,6 +50,10 @@ class ContactCandidates {
   public:
     ContactCandidates(const Triangles& triangle, const Edges& edge);
 
+    /// Lets features differ: two are then near each other within the search's radius plus the lesser of their two
+    /// reaches [m], one for each vertex, triangle and edge. So fine parts of a mesh can have less than coarse ones.
+    void set_reach(const Eigen::VectorXd& vertex, const Eigen::VectorXd& triangle, const Eigen::VectorXd& edge);
+
     /// All pairs nearer than `radius` [m] at x `[V x 3]`; none that is further away, but for rounding. Throws `Error`
     /// where x has not as many rows as the mesh has vertices, or the radius is negative or not a number.
     void find(const Positions& x, double radius, CandidatePairs& pairs);
@@ -58,18 +62,26 @@ class ContactCandidates {
     /// out where its boxes, or the plane between its nearest points at x, tell.
     void find(const Positions& x, const Positions& motion, double radius, CandidatePairs& pairs);
 
+    /// The same for the largest of 1, 1/2, 1/4, ... of the motion in which at most `most` boxes of either kind overlap,
+    /// which is returned: a motion that is large against the mesh would make all pairs candidates, and fill the memory.
+    /// Below 2^-20, where it isn't the motion, there is no bound.
+    double find_bounded(const Positions& x, const Positions& motion, double radius, long most, CandidatePairs& pairs);
+
   private:
+    static constexpr double least_share = 0x1p-20;
+
     void check(const Positions& x, double radius) const;
     void make_boxes(const Positions& x, const Positions* motion, double radius);
-    // Keep decides on two features' four points.
+    // Keep decides on two features' four points. False where more than `most` boxes overlap.
     template <typename Keep>
-    void find_vertex_triangle(const Keep& keep, std::vector<VertexTrianglePair>& pairs);
+    bool find_vertex_triangle(const Keep& keep, double radius, long most, std::vector<VertexTrianglePair>& pairs);
     template <typename Keep>
-    void find_edge_edge(const Keep& keep, std::vector<EdgeEdgePair>& pairs);
+    bool find_edge_edge(const Keep& keep, double radius, long most, std::vector<EdgeEdgePair>& pairs);
 
     Triangles triangle_;
     Edges edge_;
     int vertex_count_;
+    Eigen::VectorXd vertex_reach_, triangle_reach_, edge_reach_;
     std::vector<Box> vertex_box_, box_;
     BoxTree vertex_tree_, triangle_tree_, edge_tree_;
     std::vector<std::uint64_t> found_;  // first index, second index

@@ -203,6 +203,58 @@ TEST(ContactCandidates, OfACommonMotionAreThoseOfRest) {
     expect_equal(moving, still);
 }
 
+// Every seventh feature reaches further.
+Eigen::VectorXd uneven(Eigen::Index size, double reach) {
+    return Eigen::VectorXd::NullaryExpr(size, [&](Eigen::Index i) { return i % 7 == 0 ? reach : 0.1 * reach; });
+}
+
+TEST(ContactCandidates, FeaturesReachAsFarAsTheLesserOfTheTwo) {
+    const Scene scene = folded_sheet(16, 2e-3, Eigen::Vector3d::Zero());
+    const double radius = 1e-3, reach = 8e-3;
+    const Eigen::VectorXd vertex = uneven(scene.x.rows(), reach), triangle = uneven(scene.triangle.rows(), reach),
+                          edge = uneven(scene.edge.rows(), reach);
+    ContactCandidates candidates(scene.triangle, scene.edge);
+    CandidatePairs found, expected;
+    candidates.find(scene.x, radius + reach, expected);
+    const size_t all = expected.edge_edge.size();
+    const auto near = [&](const Proximity& nearest, double lesser) { return nearest.distance() <= radius + lesser; };
+    std::erase_if(expected.vertex_triangle, [&](const VertexTrianglePair& p) {
+        return !near(vertex_triangle_proximity(gather(scene.x, p.point)),
+                     std::min(vertex[p.vertex], triangle[p.triangle]));
+    });
+    std::erase_if(expected.edge_edge, [&](const EdgeEdgePair& p) {
+        return !near(edge_edge_proximity(gather(scene.x, p.point)), std::min(edge[p.first], edge[p.second]));
+    });
+    candidates.set_reach(vertex, triangle, edge);
+    candidates.find(scene.x, radius, found);
+    EXPECT_FALSE(expected.edge_edge.empty());
+    EXPECT_LT(expected.edge_edge.size(), all);
+    expect_equal(found, expected);
+    candidates.find(scene.x, Positions::Zero(scene.x.rows(), 3), radius, found);
+    expect_equal(found, expected);
+}
+
+TEST(ContactCandidates, AMotionThatMeetsTooMuchIsHalved) {
+    const Scene scene = folded_sheet(16, 2e-3, Eigen::Vector3d::Zero());
+    const Positions motion = test::crumpled(Positions::Zero(scene.x.rows(), 3), 3.0);
+    const long most = 20 * scene.edge.rows();
+    ContactCandidates candidates(scene.triangle, scene.edge);
+    CandidatePairs bounded, same;
+    const double share = candidates.find_bounded(scene.x, motion, 1e-3, most, bounded);
+    EXPECT_GT(share, 0.0);
+    EXPECT_LT(share, 1.0);
+    EXPECT_LE(static_cast<long>(bounded.edge_edge.size()), most);
+    candidates.find(scene.x, share * motion, 1e-3, same);
+    expect_equal(bounded, same);
+    candidates.find(scene.x, 2.0 * share * motion, 1e-3, same);
+    EXPECT_GT(same.edge_edge.size(), bounded.edge_edge.size());
+    EXPECT_EQ(candidates.find_bounded(scene.x, share * motion, 1e-3, most, same), 1.0);
+    // Where it isn't the motion, all pairs are found all the same.
+    EXPECT_LT(candidates.find_bounded(scene.x, 0.0 * motion, 0.01, 10, bounded), 1e-6);
+    candidates.find(scene.x, 0.01, same);
+    expect_equal(bounded, same);
+}
+
 TEST(ContactCandidates, EarlierSearchesLeaveNoTrace) {
     const Scene scene = folded_sheet(16, 2e-3, Eigen::Vector3d::Zero());
     ContactCandidates used(scene.triangle, scene.edge), fresh(scene.triangle, scene.edge);
@@ -246,6 +298,11 @@ TEST(ContactCandidates, RefusesWhatItCannotSearch) {
     EXPECT_THROW(candidates.find(scene.x, scene.x.topRows(5), 1e-3, found), Error);
     EXPECT_THROW(candidates.find(scene.x, -1e-3, found), Error);
     EXPECT_THROW(candidates.find(scene.x, std::nan(""), found), Error);
+    const Eigen::VectorXd vertex = uneven(scene.x.rows(), 1.0), triangle = uneven(scene.triangle.rows(), 1.0),
+                          edges = uneven(scene.edge.rows(), 1.0);
+    EXPECT_NO_THROW(candidates.set_reach(vertex, triangle, edges));
+    EXPECT_THROW(candidates.set_reach(triangle, triangle, edges), Error);
+    EXPECT_THROW(candidates.set_reach(-vertex, triangle, edges), Error);
     Edges edge = scene.edge;
     edge(0, 1) = 1000;
     EXPECT_THROW(ContactCandidates(scene.triangle, edge), Error);
