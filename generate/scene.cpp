@@ -117,6 +117,7 @@ std::unique_ptr<simulate::Draper> make_draper(const Scene& scene) {
     drape.membrane = config.membrane;
     drape.bending = config.bending;
     drape.contact = config.contact;
+    drape.self_contact = config.self_contact;
     drape.body = scene.body;
     if (config.body) drape.skinning = config.body->skinning;
     drape.level_set = config.level_set;
@@ -126,8 +127,8 @@ std::unique_ptr<simulate::Draper> make_draper(const Scene& scene) {
     drape.solver = config.solver;
     drape.schedule = config.path;
     drape.gate = config.gate;
-    return std::make_unique<simulate::Draper>(drape);
     drape.ladder = config.ladder;
+    return std::make_unique<simulate::Draper>(drape);
 }
 
 DressedScene dress(Scene scene) {

@@ -64,6 +64,7 @@ std::vector<std::string> left_out(const SceneConfig& config) {
     if (config.body && !config.poses) line.push_back("no [poses]: the neutral pose alone");
     if (!config.bending) line.push_back("no [bending]: no hinges");
     if (!config.contact) line.push_back("no [contact]: no contact code");
+    if (!config.self_contact) line.push_back("self_contact.enabled is false: layers pass through each other");
     if (!config.table) line.push_back("no [table]: no plane");
     if (!config.sphere) line.push_back("no [sphere]: no sphere");
     if (!config.pins) line.push_back("no [pins]: no vertex is held");

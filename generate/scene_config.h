@@ -73,6 +73,7 @@ struct SceneConfig {
     simulate::MembraneOptions membrane;
     std::optional<simulate::BendingOptions> bending;
     std::optional<simulate::ContactOptions> contact;
+    std::optional<simulate::SelfContactOptions> self_contact;
     simulate::LevelSetOptions level_set;
     std::optional<simulate::TableOptions> table;
     std::optional<simulate::SphereOptions> sphere;
@@ -80,8 +81,8 @@ struct SceneConfig {
     simulate::SolverOptions solver;
     simulate::ScheduleOptions path;
     simulate::GateOptions gate;
-    std::optional<pattern::ImageOptions> image;
     simulate::LadderOptions ladder;
+    std::optional<pattern::ImageOptions> image;
     skin::SplitOptions split;
     OutputConfig output;
 
@@ -94,10 +95,10 @@ struct SceneConfig {
 /// Reads and checks a scene. Throws Error (see files::ConfigFile), also where tables do not go together: an image
 /// without a body, a body without contact.
 SceneConfig read_scene(const std::string& path, const std::vector<std::string>& overrides);
-
 /// The same from text that was kept elsewhere, its paths absolute; `source` stands for the file in messages.
 SceneConfig read_scene_text(const std::string& text, const std::string& source,
                             const std::vector<std::string>& overrides);
+
 /// What the scene does without, one sentence each: "no [bending]: no hinges are built".
 std::vector<std::string> left_out(const SceneConfig& config);
 

@@ -47,6 +47,17 @@ void bind_contact(ConfigTable& root, SceneConfig& config) {
     }
 }
 
+void bind_self_contact(ConfigTable& root, SceneConfig& config) {
+    ConfigTable table = root.section("self_contact", "the cloth touches itself and never crosses itself");
+    bool enabled = true;
+    table.boolean("enabled", enabled, "false: layers pass through each other");
+    if (!enabled) return;
+    simulate::SelfContactOptions& s = config.self_contact.emplace();
+    table.real("thickness", s.thickness,
+               {.lower = 0.0001, .upper = 0.02, .unit = "m", .doc = "distance that layers keep"});
+    table.real("friction", s.friction, {.lower = 0, .upper = 2, .doc = "Coulomb coefficient"});
+}
+
 void bind_level_set(ConfigTable& root, SceneConfig& config) {
     ConfigTable table = root.section("level_set", "the body as a distance field");
     table.real("voxel", config.level_set.voxel, {.lower = 0.001, .upper = 0.02, .unit = "m", .doc = "grid spacing"});
@@ -98,12 +109,12 @@ void bind_path(ConfigTable& root, SceneConfig& config) {
         {.lower = 0, .upper = 0.1, .above = true, .unit = "m", .doc = "a step ends once no vertex moves further"});
 }
 
-
 }  // namespace
 
 void bind_simulate(ConfigTable& root, SceneConfig& config) {
     bind_material(root, config);
     bind_contact(root, config);
+    bind_self_contact(root, config);
     if (config.body || root.has("level_set")) bind_level_set(root, config);
     bind_solver(root, config);
     if (config.solver.solver == "bullet" || root.has("bullet")) bind_bullet(root, config);

@@ -25,6 +25,7 @@ struct DrapeScene {
     MembraneOptions membrane;
     std::optional<BendingOptions> bending;
     std::optional<ContactOptions> contact;  ///< required by body, table and sphere
+    std::optional<SelfContactOptions> self_contact;
     std::optional<skin::Body> body;
     skin::SkinningMethod skinning = skin::SkinningMethod::linear;
     LevelSetOptions level_set;
@@ -34,13 +35,13 @@ struct DrapeScene {
     SolverOptions solver;
     ScheduleOptions schedule;
     GateOptions gate;
-};
     LadderOptions ladder;
+};
 
 /// Where the time of one drape went [s], and counts.
 struct DrapeReport {
-    double level_set_seconds = 0, contact_seconds = 0, assembly_seconds = 0, factor_seconds = 0,
-           line_search_seconds = 0, certificate_seconds = 0;
+    double level_set_seconds = 0, contact_seconds = 0, self_contact_seconds = 0, assembly_seconds = 0,
+           factor_seconds = 0, line_search_seconds = 0, certificate_seconds = 0;
     int path_steps = 0, level_sets = 0, iterations = 0, line_search_halvings = 0;
 };
 

@@ -38,10 +38,9 @@ DrapeModel::DrapeModel(const DrapeScene& from)
       elasticity(scene.mesh, topology, scene.membrane, scene.bending, scene.solver.gravity),
       symbolic(std::make_shared<const BlockSymbolic>(scene.mesh.vertex_count(), elasticity.pairs())) {
     elasticity.bind(*symbolic);
-    if (scene.contact) {
-        points = contact_points(scene.mesh, topology, *symbolic);
+    if (scene.contact) points = contact_points(scene.mesh, topology, *symbolic);
+    if (scene.contact || scene.self_contact)
         pressure = std::max(scene.membrane.warp_stiffness, scene.membrane.weft_stiffness) / pressure_length;
-    }
     if (scene.body) surface = reachable_surface(*scene.body, scene.mesh.rest_position, reach);
     // Weightless scenes are measured against the same mass under standard gravity.
     const double gravity = scene.solver.gravity.norm();

@@ -17,8 +17,12 @@ ImplicitSolver::ImplicitSolver(const DrapeModel& model, const std::vector<Contac
     : model_(model),
       contacts_(contacts),
       report_(report),
+      self_contact_(model.scene.self_contact
+                        ? std::optional<SelfContact>(std::in_place, model.scene.mesh, model.topology,
+                                                     *model.scene.self_contact, model.pressure)
+                        : std::nullopt),
       step_(model.scene.mesh, model.elasticity, model.symbolic, model.scene.pinned, contacts,
-            model.scene.solver.damping) {}
+            self_contact_ ? &*self_contact_ : nullptr, model.scene.solver.damping) {}
 
 void ImplicitSolver::start(const Positions& x) {
     x_ = x;
@@ -30,16 +34,29 @@ void ImplicitSolver::start(const Positions& x) {
 void ImplicitSolver::begin_step() {
     const Stopwatch watch(report_.contact_seconds);
     for (Contact* contact : contacts_) contact->begin_step(x_);
+    if (self_contact_) self_contact_->begin_step(x_, time_step_);
 }
 
 void ImplicitSolver::end_step() {
     const Stopwatch watch(report_.contact_seconds);
     for (Contact* contact : contacts_) contact->end_step(x_);
+    if (self_contact_) self_contact_->begin_step(x_, time_step_);
+}
+
+void ImplicitSolver::carry(const Positions& carried) {
+    if (!self_contact_) {
+        x_ = carried;
+        return;
+    }
+    const Stopwatch watch(report_.self_contact_seconds);
+    Positions motion = carried - x_;
+    self_contact_->limit(x_, motion);
+    x_ += motion;
 }
 
 void ImplicitSolver::follow(const Positions& carried) {
     const double h = model_.scene.solver.time_step;
-    x_ = carried;
+    carry(carried);
     inertial_ = carried + h * velocity_;
     begin_step();
     const ImplicitStep::Target target{&carried, &inertial_, h};
@@ -48,9 +65,9 @@ void ImplicitSolver::follow(const Positions& carried) {
         if (done.largest_move < model_.scene.schedule.path_tolerance) break;
     }
     velocity_ = (x_ - carried) / h;
+    time_step_ = h;
     end_step();
     begin_step();
-    time_step_ = h;
 }
 
 void ImplicitSolver::settle() {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "simulate/drape_model.h"
 #include "simulate/implicit_step.h"
 #include "simulate/solver.h"
@@ -24,10 +26,12 @@ class ImplicitSolver final : public Solver {
   private:
     void begin_step();
     void end_step();
+    void carry(const Positions& carried);
 
     const DrapeModel& model_;
     std::vector<Contact*> contacts_;
     DrapeReport& report_;
+    std::optional<SelfContact> self_contact_;
     ImplicitStep step_;
     Positions x_, inertial_, velocity_, before_;
     double time_step_ = 0.0;  ///< of the next settling step [s]

@@ -20,14 +20,14 @@ constexpr double longest_share = 16.0;
 
 ImplicitStep::ImplicitStep(const ClothMesh& mesh, const Elasticity& elasticity,
                            std::shared_ptr<const BlockSymbolic> symbolic, const std::vector<int>& pinned,
-                           std::vector<Contact*> contacts, double damping)
+                           std::vector<Contact*> contacts, SelfContact* self_contact, double damping)
     : mesh_(mesh),
       elasticity_(elasticity),
       pinned_(static_cast<size_t>(mesh.vertex_count()), false),
       contacts_(std::move(contacts)),
+      self_contact_(self_contact),
       damping_(damping),
-      hessian_(symbolic),
-      cholesky_(symbolic),
+      hessian_(std::move(symbolic)),
       gradient_(mesh.vertex_count(), 3),
       direction_(mesh.vertex_count(), 3),
       trial_(mesh.vertex_count(), 3) {
@@ -40,6 +40,7 @@ double ImplicitStep::energy(const Target& target, const Positions& x) const {
     const Eigen::VectorXd drag = (x - *target.carried).rowwise().squaredNorm();
     double energy = mesh_.mass.dot(0.5 / (h * h) * inertia + 0.5 * damping_ / h * drag) + elasticity_.energy(x);
     for (const Contact* contact : contacts_) energy += contact->energy(x);
+    if (self_contact_) energy += self_contact_->energy(x);
     return energy;
 }
 
@@ -54,16 +55,23 @@ void ImplicitStep::gradient_of(const Target& target, const Positions& x) {
     gradient_ += mesh_.mass.asDiagonal() * ((damping_ / h) * (x - *target.carried));
     elasticity_.add_gradient(x, gradient_);
     for (Contact* contact : contacts_) contact->add_gradient(gradient_);
+    if (self_contact_) self_contact_->add_gradient(gradient_);
     clear_pinned(gradient_);
 }
 
+void ImplicitStep::linearise(const Positions& x) {
+    for (Contact* contact : contacts_) contact->linearise(x);
+    if (!self_contact_) return;
+    self_contact_->look_around(x);
+    self_contact_->linearise(x);
+}
+
 double ImplicitStep::static_residual(const Positions& x) {
+    linearise(x);
     gradient_.setZero();
     elasticity_.add_gradient(x, gradient_);
-    for (Contact* contact : contacts_) {
-        contact->linearise(x);
-        contact->add_gradient(gradient_);
-    }
+    for (Contact* contact : contacts_) contact->add_gradient(gradient_);
+    if (self_contact_) self_contact_->add_gradient(gradient_);
     clear_pinned(gradient_);
     return gradient_.norm();
 }
@@ -71,26 +79,49 @@ double ImplicitStep::static_residual(const Positions& x) {
 bool ImplicitStep::newton_direction(const Positions& x, double inertia, DrapeReport& report) {
     {
         const Stopwatch watch(report.assembly_seconds);
-        for (int v = 0; v < mesh_.vertex_count(); ++v) hessian_.add_identity(v, inertia * mesh_.mass[v]);
-        elasticity_.add_hessian(x, hessian_);
-        hessian_.fix(pinned_);
+        if (self_contact_) hessian_.couple(self_contact_->touching(), self_contact_->nearly_touching());
+        BlockValues& own = hessian_.own();
+        own.set_zero();
+        for (int v = 0; v < mesh_.vertex_count(); ++v) own.add_identity(v, inertia * mesh_.mass[v]);
+        elasticity_.add_hessian(x, own);
+        for (Contact* contact : contacts_) contact->add_hessian(own);
+        hessian_.finish();
+        if (self_contact_) self_contact_->add_hessian(hessian_.values());
+        hessian_.values().fix(pinned_);
     }
     const Stopwatch watch(report.factor_seconds);
     direction_ = -gradient_;
-    bool definite = cholesky_.factor_and_solve(hessian_.data(), direction_.data()).all();
+    bool definite = hessian_.factor_and_solve(direction_.data());
     // Rounding can spoil a matrix that is nearly singular: a growing shift mends it.
     for (double shift = 1e-3 * inertia; !definite && shift < 1e12 * inertia; shift *= 10.0) {
-        for (int v = 0; v < mesh_.vertex_count(); ++v) hessian_.add_identity(v, shift * mesh_.mass[v]);
+        for (int v = 0; v < mesh_.vertex_count(); ++v) hessian_.values().add_identity(v, shift * mesh_.mass[v]);
         direction_ = -gradient_;
-        definite = cholesky_.factor_and_solve(hessian_.data(), direction_.data()).all();
+        definite = hessian_.factor_and_solve(direction_.data());
     }
     return definite;
 }
 
+bool ImplicitStep::make_safe(const Positions& x) {
+    trial_ = direction_;
+    if (self_contact_->limit(x, trial_) >= 1.0) return true;
+    // Zones that are shortened apart may turn the whole uphill: then everything is shortened alike.
+    if (!(gradient_.cwiseProduct(trial_).sum() < 0.0)) {
+        trial_ = direction_;
+        if (!(self_contact_->limit_alike(x, trial_) > 0.0)) return false;
+    }
+    direction_ = trial_;
+    return true;
+}
+
 double ImplicitStep::lengthen(const Target& target, const Positions& x, double share, double longest,
                               double energy_there) {
-    const double cap = contacts_.empty() ? longest_share : std::min(longest_share, largest_move / longest);
+    const bool free = contacts_.empty() && !self_contact_;
+    const double cap = free ? longest_share : std::min(longest_share, largest_move / longest);
     while (2.0 * share <= cap) {
+        if (self_contact_) {
+            trial_ = 2.0 * share * direction_;
+            if (!self_contact_->is_known_safe(x, trial_)) break;
+        }
         trial_ = x + 2.0 * share * direction_;
         const double further = energy(target, trial_);
         if (!(further < energy_there)) break;
@@ -106,19 +137,22 @@ ImplicitStep::Iteration ImplicitStep::iterate(const Target& target, Positions& x
     const double inertia = 1.0 / (target.time_step * target.time_step) + damping_ / target.time_step;
     {
         const Stopwatch watch(report.contact_seconds);
-        for (Contact* contact : contacts_) contact->linearise(x);
-        hessian_.set_zero();
+        linearise(x);
         gradient_of(target, x);
-        for (Contact* contact : contacts_) contact->add_hessian(hessian_);
     }
     if (!gradient_.allFinite()) return failed;
     if (!newton_direction(x, inertia, report)) return failed;
     const Stopwatch watch(report.line_search_seconds);
+    double longest = std::sqrt(direction_.rowwise().squaredNorm().maxCoeff());
+    if (!std::isfinite(longest)) return failed;
+    const bool free = contacts_.empty() && !self_contact_;
+    if (!free && longest > largest_move) direction_ *= largest_move / longest;
+    if (self_contact_ && !make_safe(x)) return failed;
+    longest = std::sqrt(direction_.rowwise().squaredNorm().maxCoeff());
     const double slope = gradient_.cwiseProduct(direction_).sum();
-    const double longest = std::sqrt(direction_.rowwise().squaredNorm().maxCoeff());
-    if (!(slope < 0.0) || !std::isfinite(longest)) return failed;
+    if (!(slope < 0.0)) return failed;
     const double before = energy(target, x);
-    double share = contacts_.empty() ? 1.0 : std::min(1.0, largest_move / longest);
+    double share = 1.0;
     for (int halving = 0; halving < most_halvings; ++halving, share *= 0.5) {
         trial_ = x + share * direction_;
         // Near the minimum rounding hides the decrease: a change within rounding of Φ counts as one.

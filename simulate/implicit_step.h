@@ -3,10 +3,11 @@
 #include <memory>
 #include <vector>
 
-#include "cloth/lane_cholesky.h"
 #include "simulate/contact.h"
+#include "simulate/coupled_hessian.h"
 #include "simulate/drape.h"
 #include "simulate/elasticity.h"
+#include "simulate/self_contact.h"
 
 namespace toile::simulate {
 
@@ -15,11 +16,13 @@ namespace toile::simulate {
 ///     Φ(x) = 1/(2h²) Σ m |x − y|² + α/(2h) Σ m |x − c|² + Ψ(x) + contact(x) + friction(x)
 ///
 /// with c where the moving solids carry the cloth, y = c + h v the inertial target, α the damping, and Ψ membrane,
-/// bending and weight. Solved by Newton's method with a positive definite Hessian and a backtracking line search.
+/// bending and weight. Solved by Newton's method with a positive definite Hessian and a backtracking line search;
+/// where the cloth feels itself, on motions that cross nothing. `self_contact` may be null.
 class ImplicitStep {
   public:
     ImplicitStep(const ClothMesh& mesh, const Elasticity& elasticity, std::shared_ptr<const BlockSymbolic> symbolic,
-                 const std::vector<int>& pinned, std::vector<Contact*> contacts, double damping);
+                 const std::vector<int>& pinned, std::vector<Contact*> contacts, SelfContact* self_contact,
+                 double damping);
 
     struct Target {
         const Positions* carried;   ///< c
@@ -42,6 +45,9 @@ class ImplicitStep {
     double energy(const Target& target, const Positions& x) const;
     void gradient_of(const Target& target, const Positions& x);
     bool newton_direction(const Positions& x, double inertia, DrapeReport& report);
+    void linearise(const Positions& x);
+    /// Shortens direction_ until nothing crosses; false where it then no longer points downhill.
+    bool make_safe(const Positions& x);
     double lengthen(const Target& target, const Positions& x, double share, double longest, double energy_there);
     void clear_pinned(Positions& rows) const;
 
@@ -49,9 +55,9 @@ class ImplicitStep {
     const Elasticity& elasticity_;
     std::vector<bool> pinned_;  // of each vertex
     std::vector<Contact*> contacts_;
+    SelfContact* self_contact_;
     double damping_;
-    BlockValues hessian_;
-    LaneCholesky<1> cholesky_;
+    CoupledHessian hessian_;
     Positions gradient_, direction_, trial_;
 };
 

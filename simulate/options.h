@@ -12,6 +12,12 @@ struct ContactOptions {
     double friction = 0.3;     ///< Coulomb coefficient, 0 to 2
 };
 
+/// Contact of the cloth with itself.
+struct SelfContactOptions {
+    double thickness = 0.0015;  ///< distance that layers keep [m], 0.0001 to 0.02
+    double friction = 0.3;      ///< Coulomb coefficient, 0 to 2
+};
+
 /// The level set of the body.
 struct LevelSetOptions {
     double voxel = 0.006;        ///< grid spacing [m], 0.001 to 0.02
