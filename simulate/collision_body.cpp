@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <set>
 
 #include "cloth/topology.h"
@@ -14,7 +15,11 @@ namespace {
 
 /// A joint that has turned further than this since the level set was made may bring another part of the body close
 /// [rad].
-constexpr double largest_carried_rotation = 0.35;
+constexpr double largest_carried_rotation = 0.6;
+/// On the way to a pose the level set may be off by this many times the error bound.
+constexpr double path_error = 3.0;
+/// How far from the cloth the body is kept [m]: further than cloth slides on it before the level set is made anew.
+constexpr double reach = 0.07;
 /// Voxel on the way to a pose over the voxel at the pose itself: only where the cloth comes to rest has to be exact.
 constexpr double path_coarseness = 2.0;
 /// Width of the band beyond the thickness, in voxels: room for what an iteration moves and for the interpolation's
@@ -31,7 +36,7 @@ std::vector<bool> vertices_near(const Positions& body, const Positions& cloth, d
     };
     std::set<Key> occupied;
     for (int v = 0; v < cloth.rows(); ++v)
-        for (int shift = 0; shift < 27; ++shift)
+        for (int shift = 0; shift < (cloth.row(v).allFinite() ? 27 : 0); ++shift)
             occupied.insert(key_of(cloth.row(v), {shift / 9 - 1, shift / 3 % 3 - 1, shift % 3 - 1}));
     std::vector<bool> near(static_cast<size_t>(body.rows()));
     for (int v = 0; v < body.rows(); ++v) near[v] = occupied.contains(key_of(body.row(v), {0, 0, 0}));
@@ -51,18 +56,23 @@ Positions ReachableSurface::positions(const Positions& posed_body) const {
     return all;
 }
 
-ReachableSurface reachable_surface(const skin::Body& body, const Positions& neutral_cloth, double reach) {
-    const std::vector<bool> near = vertices_near(body.rest_position, neutral_cloth, reach);
+ReachableSurface reachable_surface(const Triangles& body_triangle, const Positions& posed_body, const Positions& cloth,
+                                   double within) {
+    const std::vector<bool> near = vertices_near(posed_body, cloth, within);
     std::vector<int> kept;
-    for (int f = 0; f < body.triangle.rows(); ++f)
-        if (near[body.triangle(f, 0)] || near[body.triangle(f, 1)] || near[body.triangle(f, 2)]) kept.push_back(f);
+    for (int f = 0; f < body_triangle.rows(); ++f)
+        if (near[body_triangle(f, 0)] || near[body_triangle(f, 1)] || near[body_triangle(f, 2)]) kept.push_back(f);
+    if (kept.empty()) {  // cloth that is nowhere near: the whole body
+        kept.resize(static_cast<size_t>(body_triangle.rows()));
+        std::iota(kept.begin(), kept.end(), 0);
+    }
 
     ReachableSurface surface;
-    surface.body_vertex_count = body.vertex_count();
+    surface.body_vertex_count = static_cast<int>(posed_body.rows());
     surface.share =
-        static_cast<double>(kept.size()) / static_cast<double>(std::max<Eigen::Index>(body.triangle.rows(), 1));
+        static_cast<double>(kept.size()) / static_cast<double>(std::max<Eigen::Index>(body_triangle.rows(), 1));
     Triangles cut(static_cast<int>(kept.size()), 3);
-    for (size_t k = 0; k < kept.size(); ++k) cut.row(static_cast<int>(k)) = body.triangle.row(kept[k]);
+    for (size_t k = 0; k < kept.size(); ++k) cut.row(static_cast<int>(k)) = body_triangle.row(kept[k]);
     surface.cap = boundary_loops(cut);
     int fans = 0;
     for (const std::vector<int>& loop : surface.cap) fans += static_cast<int>(loop.size());
@@ -78,11 +88,15 @@ ReachableSurface reachable_surface(const skin::Body& body, const Positions& neut
     return surface;
 }
 
-CollisionBody::CollisionBody(const skin::Body& body, skin::SkinningMethod method, const ReachableSurface& surface,
-                             const LevelSetOptions& options, double thickness)
+BodyLevelSet::BodyLevelSet(const skin::Body& body, const Positions& posed_body, const Positions& cloth, double voxel,
+                           double thickness)
+    : surface(reachable_surface(body.triangle, posed_body, cloth, reach)),
+      level_set(surface.triangle, surface.positions(posed_body), voxel, thickness + band_voxels * voxel) {}
+
+CollisionBody::CollisionBody(const skin::Body& body, skin::SkinningMethod method, const LevelSetOptions& options,
+                             double thickness)
     : body_(body),
       method_(method),
-      surface_(surface),
       options_(options),
       thickness_(thickness),
       neighbour_(static_cast<size_t>(body.vertex_count())),
@@ -125,26 +139,34 @@ double CollisionBody::carried_error() const {
     return 0.25 * worst;
 }
 
-void CollisionBody::move_to(const skin::Pose& pose, bool exact, DrapeReport& report) {
+void CollisionBody::use(std::shared_ptr<const BodyLevelSet> built) {
+    sampler_.reset();
+    level_set_ = std::move(built);
+    sampler_.emplace(level_set_->level_set);
+    built_ = now_;
+    since_built_.assign(now_.frame.size(), Eigen::Matrix3d::Identity());
+}
+
+void CollisionBody::start(const skin::Pose& pose, std::shared_ptr<const BodyLevelSet> built) {
+    now_ = state_at(pose);
+    before_ = now_;
+    use(std::move(built));
+    std::fill(in_use_.begin(), in_use_.end(), 0);
+}
+
+void CollisionBody::move_to(const skin::Pose& pose, bool exact, const Positions& cloth, DrapeReport& report) {
     const Stopwatch watch(report.level_set_seconds);
-    State next = state_at(pose);
-    before_ = level_set_ ? std::move(now_) : next;
-    now_ = std::move(next);
-    since_built_.resize(now_.frame.size());
-    bool make = exact || !level_set_ || skin::largest_joint_rotation(built_.pose, pose) > largest_carried_rotation;
+    before_ = std::move(now_);
+    now_ = state_at(pose);
+    bool make = exact || skin::largest_joint_rotation(built_.pose, pose) > largest_carried_rotation;
     if (!make) {
         for (size_t v = 0; v < since_built_.size(); ++v) since_built_[v] = now_.frame[v] * built_.frame[v].transpose();
-        make = carried_error() > options_.error_bound;
+        make = carried_error() > path_error * options_.error_bound;
     }
     if (make) {
         ++report.level_sets;
-        sampler_.reset();
         const double voxel = options_.voxel * (exact ? 1.0 : path_coarseness);
-        level_set_ = std::make_unique<skin::LevelSet>(surface_.triangle, surface_.positions(now_.position), voxel,
-                                                      thickness_ + band_voxels * voxel);
-        sampler_.emplace(*level_set_);
-        built_ = now_;
-        std::fill(since_built_.begin(), since_built_.end(), Eigen::Matrix3d::Identity());
+        use(std::make_shared<const BodyLevelSet>(body_, now_.position, cloth, voxel, thickness_));
     }
     std::fill(in_use_.begin(), in_use_.end(), 0);
 }
@@ -175,7 +197,7 @@ int CollisionBody::piece_near(const Eigen::Vector3d& point, int last) const {
     int nearest = last;
     double nearest_squared = std::numeric_limits<double>::infinity();
     for (int corner = 0; corner < 3; ++corner) {
-        const int v = surface_.triangle(sample.triangle, corner);
+        const int v = level_set_->surface.triangle(sample.triangle, corner);
         if (v >= body_.vertex_count()) continue;
         const double squared = (built_.position.row(v) - p).squaredNorm();
         if (squared < nearest_squared) {

@@ -25,19 +25,31 @@ struct ReachableSurface {
     Positions positions(const Positions& posed_body) const;
 };
 
-/// Keeps what lies within `reach` [m] of the garment in the neutral pose.
-ReachableSurface reachable_surface(const skin::Body& body, const Positions& neutral_cloth, double reach);
+/// Keeps what lies within about `reach` [m] of the cloth.
+ReachableSurface reachable_surface(const Triangles& body_triangle, const Positions& posed_body, const Positions& cloth,
+                                   double reach);
+
+/// The level set of what of a posed body the cloth can reach.
+struct BodyLevelSet {
+    ReachableSurface surface;
+    skin::LevelSet level_set;
+
+    BodyLevelSet(const skin::Body& body, const Positions& posed_body, const Positions& cloth, double voxel,
+                 double thickness);
+};
 
 /// The moving body as an obstacle: a level set, made anew when the body has deformed too much, and carried along
 /// rigidly piece by piece in between. A piece is a body vertex with the blended rotation of its joints.
 class CollisionBody final : public Obstacle {
   public:
-    CollisionBody(const skin::Body& body, skin::SkinningMethod method, const ReachableSurface& surface,
-                  const LevelSetOptions& options, double thickness);
+    CollisionBody(const skin::Body& body, skin::SkinningMethod method, const LevelSetOptions& options,
+                  double thickness);
 
-    /// Moves the body. `exact` makes the level set anew whatever the error; else only where the carried one would be
-    /// off by more than the error bound (see `carried_error`).
-    void move_to(const skin::Pose& pose, bool exact, DrapeReport& report);
+    /// Sets out from a pose whose level set is there already.
+    void start(const skin::Pose& pose, std::shared_ptr<const BodyLevelSet> built);
+    /// Moves the body that the cloth `[V x 3]` is on. `exact` makes the level set anew whatever the error; else it is
+    /// made, coarser, only where the carried one would be off by too much (see `carried_error`).
+    void move_to(const skin::Pose& pose, bool exact, const Positions& cloth, DrapeReport& report);
 
     /// Where the last move takes a point that is tied to `piece`.
     Eigen::Vector3d carry(const Eigen::Vector3d& point, int piece) const;
@@ -58,6 +70,7 @@ class CollisionBody final : public Obstacle {
         skin::Pose pose;
     };
     State state_at(const skin::Pose& pose) const;
+    void use(std::shared_ptr<const BodyLevelSet> built);
     /// How far the surface near each piece in use is from where the piece's rigid motion carries it, along the normal:
     /// from the neighbours of the piece's vertex, the largest of all [m].
     double carried_error() const;
@@ -65,14 +78,13 @@ class CollisionBody final : public Obstacle {
 
     const skin::Body& body_;
     skin::SkinningMethod method_;
-    const ReachableSurface& surface_;
     LevelSetOptions options_;
     double thickness_;
     std::vector<std::vector<int>> neighbour_;   // of each body vertex in reach
     mutable std::vector<std::uint8_t> in_use_;  // pieces points are tied to
     State built_, before_, now_;
     std::vector<Eigen::Matrix3d> since_built_;  // rotation of each piece since the level set was built
-    std::unique_ptr<skin::LevelSet> level_set_;
+    std::shared_ptr<const BodyLevelSet> level_set_;
     std::optional<skin::LevelSet::Sampler> sampler_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace toile::simulate {
 namespace {
@@ -81,13 +82,26 @@ void Contact::begin_step(const Positions& x) {
             if (piece != state.piece) state.anchor = obstacle_.to_local(state.anchor_world, piece);
         }
         state.piece = piece;
+        state.distance = -std::numeric_limits<double>::infinity();  // to be looked up again
     }
+}
+
+bool Contact::is_clear(const State& state, const Eigen::Vector3d& p) const {
+    // A distance changes by no more than its point moves: most points need not be looked up.
+    const double clear = state.distance - options_.thickness;
+    return clear > 0.0 && (p - state.position).squaredNorm() < clear * clear;
 }
 
 void Contact::linearise(const Positions& x) {
     for (size_t k = 0; k < points_.size(); ++k) {
         State& state = state_[k];
-        state.position = position(x, points_[k]);
+        const Eigen::Vector3d p = position(x, points_[k]);
+        if (is_clear(state, p)) {
+            state.normal_force = 0.0;
+            state.anchored = false;
+            continue;
+        }
+        state.position = p;
         const Obstacle::Contact contact = obstacle_.sample(state.position, state.piece);
         state.distance = contact.distance;
         state.gradient = contact.gradient;
@@ -143,9 +157,7 @@ double Contact::energy(const Positions& x) const {
     for (size_t k = 0; k < points_.size(); ++k) {
         const State& state = state_[k];
         const Eigen::Vector3d p = position(x, points_[k]);
-        // A distance changes by no more than its point moves: most points need not be looked up.
-        const double clear = state.distance - options_.thickness;
-        if (clear < 0.0 || (p - state.position).squaredNorm() > clear * clear) {
+        if (!is_clear(state, p)) {
             const double depth = options_.thickness - obstacle_.distance(p, state.piece);
             if (depth > 0.0) energy += points_[k].area * pressure_at(depth) * depth / 3.0;
         }

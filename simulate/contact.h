@@ -65,7 +65,7 @@ class Contact {
   private:
     struct State {
         int piece = -1;
-        Eigen::Vector3d position, gradient;  // at the last linearise
+        Eigen::Vector3d position, gradient;  // at the last look-up
         double distance = 0.0;
         double normal_force = 0.0;  // [N]
         bool anchored = false;
@@ -75,6 +75,7 @@ class Contact {
         Eigen::Vector3d normal;
     };
     Eigen::Vector3d position(const Positions& x, const ContactPoint& point) const;
+    bool is_clear(const State& state, const Eigen::Vector3d& p) const;
     double pressure_at(double depth) const;
     Eigen::Vector3d slip_of(const State& state, const Eigen::Vector3d& p) const;
     double largest_friction(const State& state) const;

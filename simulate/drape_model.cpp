@@ -9,9 +9,6 @@
 namespace toile::simulate {
 namespace {
 
-/// How far from the garment's neutral drape the body is kept for collision [m]: a sleeve overhead must find head and
-/// neck.
-constexpr double reach = 0.2;
 /// The contact pressure where cloth touches a surface is the membrane's stiffness over this length [m]: a garment
 /// stretched by a tenth around a limb then stays clear of it.
 constexpr double pressure_length = 0.05;
@@ -41,7 +38,12 @@ DrapeModel::DrapeModel(const DrapeScene& from)
     if (scene.contact) points = contact_points(scene.mesh, topology, *symbolic);
     if (scene.contact || scene.self_contact)
         pressure = std::max(scene.membrane.warp_stiffness, scene.membrane.weft_stiffness) / pressure_length;
-    if (scene.body) surface = reachable_surface(*scene.body, scene.mesh.rest_position, reach);
+    if (scene.body) {
+        const skin::Pose pose = skin::Pose::Zero(scene.body->joint_count(), 3);
+        neutral = std::make_shared<const BodyLevelSet>(
+            *scene.body, skin::skin_positions(*scene.body, pose, scene.skinning), scene.mesh.rest_position,
+            scene.level_set.voxel, scene.contact->thickness);
+    }
     // Weightless scenes are measured against the same mass under standard gravity.
     const double gravity = scene.solver.gravity.norm();
     weight = scene.mesh.mass.sum() * (gravity > 0.0 ? gravity : 9.81);

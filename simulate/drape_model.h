@@ -20,7 +20,7 @@ struct DrapeModel {
     Elasticity elasticity;
     std::shared_ptr<const BlockSymbolic> symbolic;  ///< of the Hessian
     std::vector<ContactPoint> points;               ///< empty without contact
-    ReachableSurface surface;                       ///< empty without a body
+    std::shared_ptr<const BodyLevelSet> neutral;    ///< in the neutral pose; none without a body
     double pressure = 0.0;                          ///< of contact where cloth touches [Pa]
     double weight = 0.0;                            ///< of the garment [N]
 

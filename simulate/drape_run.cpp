@@ -34,8 +34,8 @@ class Progress {
 
 DrapeRun::DrapeRun(const DrapeModel& shared) : shared_(shared), scene_(shared.scene) {
     if (scene_.body) {
-        body_ = std::make_unique<CollisionBody>(*scene_.body, scene_.skinning, shared.surface, scene_.level_set,
-                                                scene_.contact->thickness);
+        body_ =
+            std::make_unique<CollisionBody>(*scene_.body, scene_.skinning, scene_.level_set, scene_.contact->thickness);
         add_contact(*body_);
     }
     if (scene_.table) add_contact(*solids_.emplace_back(std::make_unique<Table>(*scene_.table)));
@@ -51,7 +51,7 @@ void DrapeRun::start(const Positions& x, const skin::Pose& neutral) {
 }
 
 void DrapeRun::tie_to_body(const Positions& x, const skin::Pose& neutral) {
-    body_->move_to(neutral, true, report_);
+    body_->start(neutral, shared_.neutral);
     const skin::SurfaceQuery query(scene_.body->triangle, body_->position());
     for (int v = 0; v < x.rows(); ++v) {
         const skin::SurfaceQuery::Nearest nearest = query.nearest(x.row(v).transpose());
@@ -82,7 +82,8 @@ void DrapeRun::follow(const skin::Pose& from, const skin::Pose& to) {
     const int steps = static_cast<int>(std::ceil(turn / scene_.schedule.joint_step));
     for (int k = 1; k <= steps; ++k) {
         ++report_.path_steps;
-        body_->move_to(skin::interpolate(from, to, static_cast<double>(k) / steps), k == steps, report_);
+        body_->move_to(skin::interpolate(from, to, static_cast<double>(k) / steps), k == steps, solver_->position(),
+                       report_);
         carry_with_body();
         solver_->follow(carried_);
     }

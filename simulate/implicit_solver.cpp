@@ -33,12 +33,14 @@ void ImplicitSolver::start(const Positions& x) {
 
 void ImplicitSolver::begin_step() {
     const Stopwatch watch(report_.contact_seconds);
+    step_.contacts_changed();
     for (Contact* contact : contacts_) contact->begin_step(x_);
     if (self_contact_) self_contact_->begin_step(x_, time_step_);
 }
 
 void ImplicitSolver::end_step() {
     const Stopwatch watch(report_.contact_seconds);
+    step_.contacts_changed();
     for (Contact* contact : contacts_) contact->end_step(x_);
     if (self_contact_) self_contact_->begin_step(x_, time_step_);
 }
@@ -80,8 +82,7 @@ void ImplicitSolver::settle() {
 }
 
 double ImplicitSolver::residual_force() {
-    const Stopwatch watch(report_.contact_seconds);
-    return step_.static_residual(x_);
+    return step_.static_residual(x_, report_);
 }
 
 double ImplicitSolver::energy() const {

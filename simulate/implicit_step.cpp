@@ -59,15 +59,21 @@ void ImplicitStep::gradient_of(const Target& target, const Positions& x) {
     clear_pinned(gradient_);
 }
 
-void ImplicitStep::linearise(const Positions& x) {
-    for (Contact* contact : contacts_) contact->linearise(x);
+void ImplicitStep::linearise(const Positions& x, DrapeReport& report) {
+    if (linearised_at_.rows() == x.rows() && linearised_at_ == x) return;
+    linearised_at_ = x;
+    {
+        const Stopwatch watch(report.contact_seconds);
+        for (Contact* contact : contacts_) contact->linearise(x);
+    }
     if (!self_contact_) return;
+    const Stopwatch watch(report.self_contact_seconds);
     self_contact_->look_around(x);
     self_contact_->linearise(x);
 }
 
-double ImplicitStep::static_residual(const Positions& x) {
-    linearise(x);
+double ImplicitStep::static_residual(const Positions& x, DrapeReport& report) {
+    linearise(x, report);
     gradient_.setZero();
     elasticity_.add_gradient(x, gradient_);
     for (Contact* contact : contacts_) contact->add_gradient(gradient_);
@@ -101,7 +107,8 @@ bool ImplicitStep::newton_direction(const Positions& x, double inertia, DrapeRep
     return definite;
 }
 
-bool ImplicitStep::make_safe(const Positions& x) {
+bool ImplicitStep::make_safe(const Positions& x, DrapeReport& report) {
+    const Stopwatch watch(report.self_contact_seconds);
     trial_ = direction_;
     if (self_contact_->limit(x, trial_) >= 1.0) return true;
     // Zones that are shortened apart may turn the whole uphill: then everything is shortened alike.
@@ -135,11 +142,8 @@ ImplicitStep::Iteration ImplicitStep::iterate(const Target& target, Positions& x
     constexpr Iteration failed{most_halvings, 0.0, 0.0};
     ++report.iterations;
     const double inertia = 1.0 / (target.time_step * target.time_step) + damping_ / target.time_step;
-    {
-        const Stopwatch watch(report.contact_seconds);
-        linearise(x);
-        gradient_of(target, x);
-    }
+    linearise(x, report);
+    gradient_of(target, x);
     if (!gradient_.allFinite()) return failed;
     if (!newton_direction(x, inertia, report)) return failed;
     const Stopwatch watch(report.line_search_seconds);
@@ -147,7 +151,7 @@ ImplicitStep::Iteration ImplicitStep::iterate(const Target& target, Positions& x
     if (!std::isfinite(longest)) return failed;
     const bool free = contacts_.empty() && !self_contact_;
     if (!free && longest > largest_move) direction_ *= largest_move / longest;
-    if (self_contact_ && !make_safe(x)) return failed;
+    if (self_contact_ && !make_safe(x, report)) return failed;
     longest = std::sqrt(direction_.rowwise().squaredNorm().maxCoeff());
     const double slope = gradient_.cwiseProduct(direction_).sum();
     if (!(slope < 0.0)) return failed;

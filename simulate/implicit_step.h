@@ -37,17 +37,20 @@ class ImplicitStep {
     /// One Newton iteration from x, in place.
     Iteration iterate(const Target& target, Positions& x, DrapeReport& report);
 
+    /// To be called where contacts have begun or ended a step.
+    void contacts_changed() { linearised_at_.resize(0, 3); }
+
     /// Net force on each vertex at rest, without inertia and damping, friction's normal forces taken at x. Zero on
     /// pinned ones. Returns its Euclidean norm [N].
-    double static_residual(const Positions& x);
+    double static_residual(const Positions& x, DrapeReport& report);
 
   private:
     double energy(const Target& target, const Positions& x) const;
     void gradient_of(const Target& target, const Positions& x);
     bool newton_direction(const Positions& x, double inertia, DrapeReport& report);
-    void linearise(const Positions& x);
+    void linearise(const Positions& x, DrapeReport& report);
     /// Shortens direction_ until nothing crosses; false where it then no longer points downhill.
-    bool make_safe(const Positions& x);
+    bool make_safe(const Positions& x, DrapeReport& report);
     double lengthen(const Target& target, const Positions& x, double share, double longest, double energy_there);
     void clear_pinned(Positions& rows) const;
 
@@ -59,6 +62,7 @@ class ImplicitStep {
     double damping_;
     CoupledHessian hessian_;
     Positions gradient_, direction_, trial_;
+    Positions linearised_at_;  // empty where it must be done again
 };
 
 }  // namespace toile::simulate

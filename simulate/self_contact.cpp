@@ -7,8 +7,13 @@
 namespace toile::simulate {
 namespace {
 
-/// Room around what is searched for, so that a search serves several small steps [m].
-constexpr double margin = 0.004;
+/// Room around what is searched for, so that a search serves several small steps [m]: at most this, and less on fine
+/// meshes, where it would hold too many pairs.
+constexpr double widest_margin = 0.004;
+/// A motion is first shortened until no more than this many boxes overlap for each edge of the mesh.
+/// Two features that together move by less than this share of their distance are not looked at.
+constexpr double room_share = 0.8;
+constexpr long most_overlaps = 60;
 /// Friction is smoothed below this speed [m/s], and never below this length [m].
 constexpr double sticking_speed = 0.002, shortest_slip = 1e-5;
 /// Share of the size of a mesh' features that their thickness may have.
@@ -60,6 +65,8 @@ SelfContact::SelfContact(const ClothMesh& mesh, const Topology& topology, const 
             edge = std::min(edge, triangle_size_[f]);
         }
     }
+    candidates_.set_reach(vertex_size_, triangle_size_, edge_size_);
+    if (rest_length_.size() > 0) margin_ = std::min(widest_margin, 0.25 * rest_length_.mean());
 }
 
 void SelfContact::begin_step(const Positions& x, double time_step) {
@@ -87,20 +94,21 @@ void SelfContact::collect(const Positions& x) {
 }
 
 bool SelfContact::covers(const Positions& x, double reach) const {
-    if (!(found_radius_ > 0.0) || found_at_.rows() != x.rows()) return false;
-    return 2.0 * (largest_norm(x - found_at_) + reach) + options_.thickness <= found_radius_;
+    if (!found_around_ || found_at_.rows() != x.rows()) return false;
+    return 2.0 * (largest_norm(x - found_at_) + reach) <= margin_;
 }
 
-void SelfContact::search(const Positions& x, const Positions& motion) {
-    if (2.0 * largest_norm(motion) <= 0.5 * margin) {
-        found_radius_ = options_.thickness + margin;
-        candidates_.find(x, found_radius_, found_);
+double SelfContact::search(const Positions& x, const Positions& motion) {
+    double share = 1.0;
+    found_around_ = 4.0 * largest_norm(motion) <= margin_;
+    if (found_around_) {
+        candidates_.find(x, margin_, found_);
     } else {
-        found_radius_ = -1.0;
-        candidates_.find(x, motion, options_.thickness, found_);
+        share = candidates_.find_bounded(x, motion, 0.0, most_overlaps * (rest_length_.size() + 100), found_);
     }
     found_at_ = x;
     collect(x);
+    return share;
 }
 
 void SelfContact::look_around(const Positions& x) {
@@ -117,8 +125,9 @@ double SelfContact::limit(const Positions& x, Positions& motion) {
     double left = 1.0;
     // Pairs that move alike are not looked for; once one of the two is shortened they may meet, so look again.
     for (int round = 0; round < most_searches; ++round) {
-        search(x, motion);
-        const double share = shorten_zones(x, motion);
+        const double searched = search(x, motion);
+        motion *= searched;
+        const double share = searched * shorten_zones(x, motion);
         left *= share;
         if (share >= 1.0) {
             linearise(x);
@@ -130,13 +139,15 @@ double SelfContact::limit(const Positions& x, Positions& motion) {
 }
 
 double SelfContact::limit_alike(const Positions& x, Positions& motion) {
+    double searched = 1.0;
     if (!covers(x, largest_norm(motion))) {
-        search(x, motion);
+        searched = search(x, motion);
+        motion *= searched;
         linearise(x);
     }
     const double share = safe_share(x, motion);
     motion *= share;
-    return share;
+    return searched * share;
 }
 
 Proximity SelfContact::proximity(const Pair& pair, const Positions& x) const {
@@ -144,14 +155,22 @@ Proximity SelfContact::proximity(const Pair& pair, const Positions& x) const {
     return pair.edges ? edge_edge_proximity(points) : vertex_triangle_proximity(points);
 }
 
-double SelfContact::pair_safe_share(const Pair& pair, const Positions& x, const Positions& motion) const {
+double SelfContact::pair_safe_share(const Pair& pair, const Positions& x, const Positions& motion,
+                                    const Eigen::VectorXd& length) const {
+    const auto& p = pair.point;
+    const double first = pair.edges ? std::max(length[p[0]], length[p[1]]) : length[p[0]];
+    const double other = std::max({pair.edges ? 0.0 : length[p[1]], length[p[2]], length[p[3]]});
+    if (first + other < room_share * pair.distance) return 1.0;
     const FourPoints points = gather(x, pair.point), moves = gather(motion, pair.point);
-    return pair.edges ? edge_edge_safe_share(points, moves) : vertex_triangle_safe_share(points, moves);
+    const SafeMotionOptions options{.largest_remaining = 0.1 * pair.thickness};
+    return pair.edges ? edge_edge_safe_share(points, moves, options)
+                      : vertex_triangle_safe_share(points, moves, options);
 }
 
 double SelfContact::shorten_zones(const Positions& x, Positions& motion) const {
     const Positions whole = motion;
     Eigen::VectorXd share = Eigen::VectorXd::Ones(x.rows());
+    Eigen::VectorXd length = motion.rowwise().norm();
     std::vector<int> shortened_in(static_cast<size_t>(x.rows()), 0);  // the last round, from 1; 0: never
     double smallest = 1.0;
     for (int round = 1; round <= most_rounds; ++round) {
@@ -162,13 +181,14 @@ double SelfContact::shorten_zones(const Positions& x, Positions& motion) const {
                 for (int v : pair.point) changed |= shortened_in[v] >= round - 1;
                 if (!changed) continue;
             }
-            const double safe = pair_safe_share(pair, x, motion);
+            const double safe = pair_safe_share(pair, x, motion, length);
             if (safe >= 1.0) continue;
             any = true;
             // All four by the same share: the pair's own motion is then on the path that is known to be safe.
             for (int v : pair.point) {
                 share[v] *= safe;
                 motion.row(v) *= safe;
+                length[v] *= safe;
                 shortened_in[v] = round;
                 smallest = std::min(smallest, share[v]);
             }
@@ -181,8 +201,9 @@ double SelfContact::shorten_zones(const Positions& x, Positions& motion) const {
 }
 
 double SelfContact::safe_share(const Positions& x, const Positions& motion) const {
+    const Eigen::VectorXd length = motion.rowwise().norm();
     double smallest = 1.0;
-    for (const Pair& pair : pairs_) smallest = std::min(smallest, pair_safe_share(pair, x, motion));
+    for (const Pair& pair : pairs_) smallest = std::min(smallest, pair_safe_share(pair, x, motion, length));
     return smallest;
 }
 
@@ -235,7 +256,7 @@ double SelfContact::friction_energy(const Touch& touch, const Positions& x) cons
 }
 
 double SelfContact::energy(const Positions& x) const {
-    const double moved = largest_norm(x - linearised_at_);
+    const Eigen::VectorXd moved = (x - linearised_at_).rowwise().norm();
     double energy = 0.0;
     size_t next = 0;
     for (size_t k = 0; k < pairs_.size(); ++k) {
@@ -244,7 +265,10 @@ double SelfContact::energy(const Positions& x) const {
         const bool touched = next < touches_.size() && touches_[next].pair == static_cast<int>(k);
         if (touched) fade = touches_[next++].fade;
         // A distance changes by no more than its features move: most pairs need not be looked up.
-        if (pair.distance - 2.0 * moved >= pair.thickness) continue;
+        const auto& p = pair.point;
+        const double first = pair.edges ? std::max(moved[p[0]], moved[p[1]]) : moved[p[0]];
+        const double other = std::max({pair.edges ? 0.0 : moved[p[1]], moved[p[2]], moved[p[3]]});
+        if (pair.distance - first - other >= pair.thickness) continue;
         if (!touched && pair.edges) fade = parallel_mollifier(gather(linearised_at_, pair.point), fade_[k]).value;
         const double distance = proximity(pair, x).distance();
         if (distance < pair.thickness) energy += fade * pressure_at(pair, distance).energy;

@@ -70,7 +70,8 @@ class SelfContact {
         double fade;  // of edges that turn parallel
     };
     bool covers(const Positions& x, double reach) const;
-    void search(const Positions& x, const Positions& motion);
+    /// Returns the share of the motion that it looked along.
+    double search(const Positions& x, const Positions& motion);
     void collect(const Positions& x);
     double shorten_zones(const Positions& x, Positions& motion) const;
     double safe_share(const Positions& x, const Positions& motion) const;
@@ -79,7 +80,9 @@ class SelfContact {
     };
     Pressure pressure_at(const Pair& pair, double distance) const;
     Proximity proximity(const Pair& pair, const Positions& x) const;
-    double pair_safe_share(const Pair& pair, const Positions& x, const Positions& motion) const;
+    /// `length` `[V]` of each vertex' motion; the pair's distance is that at x.
+    double pair_safe_share(const Pair& pair, const Positions& x, const Positions& motion,
+                           const Eigen::VectorXd& length) const;
     double friction_energy(const Touch& touch, const Positions& x) const;
 
     SelfContactOptions options_;
@@ -90,8 +93,9 @@ class SelfContact {
     ContactCandidates candidates_;
     CandidatePairs found_;
     std::vector<Pair> pairs_;
-    Positions found_at_;          // where pairs_ were looked for
-    double found_radius_ = -1.0;  // ... around it [m]; less than 0: along a motion
+    Positions found_at_;         // where pairs_ were looked for
+    bool found_around_ = false;  // ... or along a motion from there
+    double margin_ = 0.001;      // [m]
     Positions before_;
     double smoothing_ = 0.0;  // of friction [m]
     std::vector<Touch> touches_;
