@@ -22,7 +22,8 @@ Outcome untangled(const test::Surface& from, const std::vector<int>& pinned = {}
     return outcome;
 }
 
-/// Nothing crosses any more, no vertex moved further than `largest_move` [m], no edge changed by more than a fifth.
+/// Nothing crosses any more, no vertex moved further than `largest_move` [m], no edge changed by more than the options
+/// allow.
 void expect_mended(const test::Surface& from, double largest_move) {
     const Topology topology = build_topology(from.triangle);
     const Outcome outcome = untangled(from);
@@ -36,7 +37,7 @@ void expect_mended(const test::Surface& from, double largest_move) {
         const int a = topology.edge(e, 0), b = topology.edge(e, 1);
         const double ratio = (outcome.position.row(a) - outcome.position.row(b)).norm() /
                              (from.position.row(a) - from.position.row(b)).norm();
-        EXPECT_GT(ratio, 0.8);
+        EXPECT_GT(ratio, 0.45);
         EXPECT_LT(ratio, 1.2);
     }
 }
@@ -65,7 +66,8 @@ TEST(Untangle, OpensAnArmpit) {
     expect_mended(test::armpit(0.01), 0.020);
 }
 
-expect_mended(test::noisy_layers(), 0.010);
+TEST(Untangle, PutsNoisyLayersApart) {
+    expect_mended(test::noisy_layers(), 0.015);
 }
 
 TEST(Untangle, PinsStay) {
@@ -123,8 +125,8 @@ TEST(Untangle, RefusesOneDefectAtATime) {
     refused([](UntangleOptions& o) { o.separation = -1e-4; });
     refused([](UntangleOptions& o) { o.largest_step = 0.0; });
     refused([](UntangleOptions& o) { o.largest_step = 1.5; });
-    refused([](UntangleOptions& o) { o.length_change = 0.0; });
-    refused([](UntangleOptions& o) { o.length_change = 1.0; });
+    refused([](UntangleOptions& o) { o.max_stretch = 0.0; });
+    refused([](UntangleOptions& o) { o.max_shrink = 1.0; });
 }
 
 }  // namespace
