@@ -90,6 +90,7 @@ double ImplicitSolver::energy() const {
     double energy = model_.elasticity.energy(x_);
     if (wind_) energy += wind_->energy(x_);
     for (const Contact* contact : contacts_) energy += contact->energy(x_);
+    if (self_contact_) energy += self_contact_->energy(x_);
     return energy;
 }
 
