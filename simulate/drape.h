@@ -27,7 +27,7 @@ struct DrapeScene {
     std::optional<BendingOptions> bending;
     std::optional<StrainLimitOptions> strain_limit;  ///< `implicit` alone
     std::optional<WindOptions> wind;                 ///< `implicit` alone
-    std::optional<ContactOptions> contact;  ///< required by body, table and sphere
+    std::optional<ContactOptions> contact;           ///< required by body, table and sphere
     std::optional<SelfContactOptions> self_contact;
     std::optional<skin::Body> body;
     skin::SkinningMethod skinning = skin::SkinningMethod::linear;
