@@ -8,6 +8,7 @@
 #include "cloth/error.h"
 #include "simulate/contour_push.h"
 #include "simulate/crossings.h"
+#include "simulate/sheet_gap.h"
 
 namespace toile::simulate {
 
@@ -21,7 +22,7 @@ void check(bool fine, const char* field, double value, const char* bound) {
 }
 
 /// Rounds without progress before the surface is smoothed; each time again in a wider neighbourhood.
-constexpr int patience = 8;
+constexpr int patience = 4;
 
 class Untangler {
   public:
@@ -32,6 +33,7 @@ class Untangler {
   private:
     void fair();
     void hold_lengths();
+    void open_gaps(UntangleReport& report);
     Vector3d at(int vertex) const { return x_.row(vertex).transpose(); }
     std::vector<int> surroundings(std::vector<bool> marked, int rings) const;
     void iron(const std::vector<Crossing>& crossing, int rings);
@@ -43,7 +45,7 @@ class Untangler {
     const Positions start_;
     VertexRing ring_;
     std::vector<bool> free_;
-    std::vector<double> length_;  // of each edge at the start
+    std::vector<double> length_;  // of each edge, to be kept
     double step_;                 // [m]
     ContourPush push_;
 };
@@ -89,7 +91,7 @@ std::vector<int> Untangler::surroundings(std::vector<bool> marked, int rings) co
     return list;
 }
 
-/// Smooths the surface itself around what still crosses.
+/// Smooths the surface itself around what still crosses. Edges there may stay as short as that makes them.
 void Untangler::iron(const std::vector<Crossing>& crossing, int rings) {
     std::vector<bool> crossed(x_.rows(), false);
     for (const Crossing& at : crossing) {
@@ -105,6 +107,12 @@ void Untangler::iron(const std::vector<Crossing>& crossing, int rings) {
         for (int s = ring_.start[v]; s < ring_.start[v + 1]; ++s)
             sum += before.row(ring_.spoke[s].neighbour).transpose();
         x_.row(v) = 0.5 * before.row(v) + 0.5 / count * sum.transpose();
+    }
+    std::vector<bool> smoothed(x_.rows(), false);
+    for (const int v : near) smoothed[v] = true;
+    for (int e = 0; e < topology_.edge.rows(); ++e) {
+        const int a = topology_.edge(e, 0), b = topology_.edge(e, 1);
+        if (smoothed[a] && smoothed[b]) length_[e] = std::min(length_[e], (at(a) - at(b)).norm());
     }
 }
 
@@ -143,6 +151,28 @@ void Untangler::hold_lengths() {
     }
 }
 
+/// Once nothing crosses: gives what has moved its separation, as far as that makes nothing cross.
+void Untangler::open_gaps(UntangleReport& report) {
+    std::vector<bool> moved(x_.rows());
+    for (Eigen::Index v = 0; v < x_.rows(); ++v) moved[v] = x_.row(v) != start_.row(v);
+    SheetGap gap(triangle_, topology_.edge, free_);
+    report.gap = gap.smallest(moved, options_.separation, x_);
+    double share = 1.0;
+    while (report.gap < options_.separation && share > 0.05 && report.iterations < options_.max_iterations) {
+        const Positions before = x_;
+        gap.open(moved, options_.separation * (1.0 + 1e-6), share, x_);
+        ++report.iterations;
+        const bool crosses = !find_crossings(triangle_, topology_, x_).empty();
+        const double opened = crosses ? 0.0 : gap.smallest(moved, options_.separation, x_);
+        if (opened > report.gap) {
+            report.gap = opened;
+        } else {
+            share *= 0.5;
+            x_ = before;
+        }
+    }
+}
+
 UntangleReport Untangler::run() {
     UntangleReport report;
     std::vector<Crossing> crossing = find_crossings(triangle_, topology_, x_);
@@ -165,7 +195,8 @@ UntangleReport Untangler::run() {
         }
     }
     x_ = best;
-    report.status = report.crossings_after == 0 ? UntangleStatus::untangled : UntangleStatus::tangled;
+    report.status = crossing.empty() ? UntangleStatus::untangled : UntangleStatus::tangled;
+    if (crossing.empty()) open_gaps(report);
     report.largest_move = (x_ - start_).rowwise().norm().maxCoeff();
     return report;
 }
