@@ -22,6 +22,12 @@ namespace {
 
 }  // namespace
 
+void write_text_file(const std::string& path, const std::string& text) {
+    NewFile file(path);
+    file.write(text.data(), text.size());
+    file.commit();
+}
+
 std::string write_failure(int error_number) {
     switch (error_number) {
         case ENOSPC:

@@ -27,6 +27,9 @@ class NewFile {
     bool committed_ = false;
 };
 
+/// Writes a whole file of text. Throws Error with the system's reason.
+void write_text_file(const std::string& path, const std::string& text);
+
 /// One line for what a failed system call left in errno: "the disk is full", "no permission to write here" ...
 std::string write_failure(int error_number);
 

@@ -1,25 +1,17 @@
 #include "generate/contact_sheet.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#include <stb/stb_easy_font.h>
-#pragma GCC diagnostic pop
+#include "generate/drawing.h"
 
 namespace toile::generate {
 namespace {
 
-using Color = std::array<double, 3>;
-
 constexpr int gap = 12;     // between tiles
 constexpr int header = 48;  // above the tiles
 constexpr int label_width = 84;
-constexpr Color ink{0.15, 0.15, 0.17};
 
 /// Cool to warm through grey, for values from -1 to 1 (after Moreland 2009).
 Color diverging(double value) {
@@ -28,33 +20,6 @@ Color diverging(double value) {
     Color color;
     for (int c = 0; c < 3; ++c) color[c] = grey[c] + share * ((value < 0 ? cool[c] : warm[c]) - grey[c]);
     return color;
-}
-
-void set_pixel(files::Picture& picture, int x, int y, const Color& color) {
-    if (x < 0 || y < 0 || x >= picture.width || y >= picture.height) return;
-    for (int c = 0; c < 3; ++c)
-        picture.value[(static_cast<size_t>(y) * picture.width + x) * 3 + c] =
-            static_cast<uint8_t>(std::lround(255 * color[c]));
-}
-
-void fill(files::Picture& picture, int x, int y, int width, int height, const Color& color) {
-    for (int j = y; j < y + height; ++j)
-        for (int i = x; i < x + width; ++i) set_pixel(picture, i, j, color);
-}
-
-void write_text(files::Picture& picture, int x, int y, std::string text) {
-    struct Corner {
-        float x, y, z;
-        unsigned char color[4];
-    };
-    std::vector<Corner> corner(text.size() * 80 + 4);
-    const int quads = stb_easy_font_print(0, 0, text.data(), nullptr, corner.data(),
-                                          static_cast<int>(corner.size() * sizeof(Corner)));
-    for (int q = 0; q < quads; ++q) {
-        const Corner &low = corner[4 * q], &high = corner[4 * q + 2];
-        fill(picture, x + static_cast<int>(low.x), y + static_cast<int>(low.y), static_cast<int>(high.x - low.x),
-             static_cast<int>(high.y - low.y), ink);
-    }
 }
 
 /// The part of a layer that the pattern covers, in pixels.
@@ -153,11 +118,8 @@ void draw_scale(files::Picture& picture, int component, double scale, int x) {
 files::Picture contact_sheet(const files::DatasetImage& image, const std::vector<SheetRow>& row) {
     const Plan plan = make_plan(image);
     const int component_step = std::max(plan.component_width + gap, 200);
-    files::Picture picture;
-    picture.channels = 3;
-    picture.width = label_width + 3 * component_step;
-    picture.height = header + static_cast<int>(row.size()) * (plan.tile_height + gap) + gap;
-    picture.value.assign(static_cast<size_t>(picture.width) * picture.height * 3, 255);
+    files::Picture picture = blank_picture(label_width + 3 * component_step,
+                                           header + static_cast<int>(row.size()) * (plan.tile_height + gap) + gap);
     for (int component = 0; component < 3; ++component) {
         const double scale = scale_of(image, row, component);
         const int x = label_width + component * component_step;

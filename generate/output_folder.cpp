@@ -10,12 +10,12 @@ namespace toile::generate {
 
 namespace fs = std::filesystem;
 
-OutputFolder::OutputFolder(const std::string& path) : path_(path) {
+OutputFolder::OutputFolder(const std::string& path, For purpose) : path_(path) {
     if (path.empty()) throw Error("the output folder has no name", "--out");
     std::error_code failure;
     const fs::file_status status = fs::status(path, failure);
     if (fs::exists(status) && !fs::is_directory(status)) throw Error("a file is in the way of the output folder", path);
-    if (fs::exists(fs::path(path) / "dataset.h5", failure))
+    if (purpose == For::dataset && fs::exists(fs::path(path) / "dataset.h5", failure))
         throw Error("this folder holds a data set already", path,
                     "choose another --out, or remove " + file("dataset.h5"));
     if (!fs::exists(status)) {

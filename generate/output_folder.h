@@ -6,12 +6,13 @@
 
 namespace toile::generate {
 
-/// The folder of a data set. Made on construction if it is not there, with those above it; removed again on destruction
-/// as far as it was made here and is still empty. Throws Error where it cannot be made or written to, a file is in the
-/// way, or it holds a data set already.
+/// The folder of a data set, or of results. Made on construction if it is not there, with those above it; removed again
+/// on destruction as far as it was made here and is still empty. Throws Error where it cannot be made or written to, a
+/// file is in the way, or a data set is to be made and it holds one already.
 class OutputFolder {
   public:
-    explicit OutputFolder(const std::string& path);
+    enum class For { dataset, results };
+    explicit OutputFolder(const std::string& path, For purpose = For::dataset);
     ~OutputFolder();
     OutputFolder(const OutputFolder&) = delete;
     OutputFolder& operator=(const OutputFolder&) = delete;

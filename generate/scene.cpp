@@ -116,6 +116,8 @@ std::unique_ptr<simulate::Draper> make_draper(const Scene& scene) {
     drape.mesh = scene.garment.mesh;
     drape.membrane = config.membrane;
     drape.bending = config.bending;
+    drape.strain_limit = config.strain_limit;
+    drape.wind = config.wind;
     drape.contact = config.contact;
     drape.self_contact = config.self_contact;
     drape.body = scene.body;

@@ -63,6 +63,8 @@ std::vector<std::string> left_out(const SceneConfig& config) {
     if (!config.body) line.push_back("no [body]: no skinning, no level set, no embedding");
     if (config.body && !config.poses) line.push_back("no [poses]: the neutral pose alone");
     if (!config.bending) line.push_back("no [bending]: no hinges");
+    if (!config.strain_limit) line.push_back("no [strain_limit]: stretch is limited by stiffness alone");
+    if (!config.wind) line.push_back("no [wind]: still air");
     if (!config.contact) line.push_back("no [contact]: no contact code");
     if (!config.self_contact) line.push_back("self_contact.enabled is false: layers pass through each other");
     if (!config.table) line.push_back("no [table]: no plane");

@@ -72,6 +72,8 @@ struct SceneConfig {
     GarmentConfig garment;
     simulate::MembraneOptions membrane;
     std::optional<simulate::BendingOptions> bending;
+    std::optional<simulate::StrainLimitOptions> strain_limit;
+    std::optional<simulate::WindOptions> wind;
     std::optional<simulate::ContactOptions> contact;
     std::optional<simulate::SelfContactOptions> self_contact;
     simulate::LevelSetOptions level_set;

@@ -1,4 +1,5 @@
 #include "generate/scene_tables.h"
+#include "simulate/fabric.h"
 
 namespace toile::generate {
 
@@ -6,8 +7,30 @@ using files::ConfigTable;
 
 namespace {
 
+/// The measured fabric whose values the other keys then start from, if one is named.
+const simulate::Fabric* bind_preset(ConfigTable& table, simulate::MembraneOptions& membrane) {
+    const simulate::Fabric* fabric = nullptr;
+    files::ConfigChoices<const simulate::Fabric*> choices = {{"none", nullptr}};
+    for (const simulate::Fabric& one : simulate::measured_fabrics()) choices.emplace_back(one.name, &one);
+    table.choice("preset", fabric, choices, "a measured fabric; keys that are given go before its values");
+    if (fabric) membrane = fabric->membrane;
+    return fabric;
+}
+
+void bind_bending(ConfigTable& root, SceneConfig& config, const simulate::Fabric* fabric) {
+    auto table = root.table("bending", "hinges between neighbouring triangles");
+    if (!table) return;
+    simulate::BendingOptions& b = config.bending.emplace();
+    if (fabric) b.stiffness = fabric->bending_stiffness;
+    table->real("stiffness", b.stiffness, {.lower = 0, .above = true, .unit = "N m", .doc = "bending rigidity"});
+    table->choice<simulate::BendingRest>(
+        "rest", b.rest, {{"flat", simulate::BendingRest::flat}, {"start", simulate::BendingRest::start}},
+        "without moment in the flat pattern, or in the garment's starting shape");
+}
+
 void bind_material(ConfigTable& root, SceneConfig& config) {
     ConfigTable table = root.section("material", "the cloth, per area of pattern");
+    const simulate::Fabric* fabric = bind_preset(table, config.membrane);
     simulate::MembraneOptions& m = config.membrane;
     table.real("density_per_area", m.density_per_area, {.lower = 0.001, .upper = 100, .unit = "kg/m^2", .doc = "mass"});
     table.real("warp_stiffness", m.warp_stiffness,
@@ -17,10 +40,25 @@ void bind_material(ConfigTable& root, SceneConfig& config) {
     table.real("shear_stiffness", m.shear_stiffness,
                {.lower = 0, .above = true, .unit = "N/m", .doc = "against shear"});
     table.real("poisson_ratio", m.poisson_ratio, {.lower = 0, .upper = 0.49, .doc = "coupling of warp and weft"});
-    if (auto bending = root.table("bending", "hinges between neighbouring triangles, flat at rest")) {
-        config.bending.emplace();
-        bending->real("stiffness", config.bending->stiffness, {.lower = 0, .above = true, .unit = "N m"});
+    table.choice<Compression>("compression", m.compression,
+                              {{"full", Compression::full}, {"tension_field", Compression::tension_field}},
+                              "against being squeezed; tension_field: none, the cloth wrinkles finer than its mesh");
+    bind_bending(root, config, fabric);
+    if (auto limit = root.table("strain_limit", "largest stretches, length over rest length")) {
+        simulate::StrainLimitOptions& s = config.strain_limit.emplace();
+        limit->real("warp", s.warp, {.lower = 1.001, .upper = 10, .doc = "along the pattern's v"});
+        limit->real("weft", s.weft, {.lower = 1.001, .upper = 10, .doc = "along the pattern's u"});
     }
+}
+
+void bind_wind(ConfigTable& root, SceneConfig& config) {
+    auto table = root.table("wind", "a steady, even wind");
+    if (!table) return;
+    simulate::WindOptions& w = config.wind.emplace();
+    table->vector("velocity", w.velocity, {.lower = -100, .upper = 100, .unit = "m/s"});
+    table->real("drag", w.drag, {.lower = 0, .upper = 10, .doc = "coefficient; 1.2 for a plate across the wind"});
+    table->real("lift", w.lift, {.lower = 0, .upper = 10, .doc = "coefficient; that of drag makes a pressure"});
+    table->real("air_density", w.air_density, {.lower = 0, .upper = 10, .unit = "kg/m^3"});
 }
 
 void bind_contact(ConfigTable& root, SceneConfig& config) {
@@ -113,6 +151,7 @@ void bind_path(ConfigTable& root, SceneConfig& config) {
 
 void bind_simulate(ConfigTable& root, SceneConfig& config) {
     bind_material(root, config);
+    bind_wind(root, config);
     bind_contact(root, config);
     bind_self_contact(root, config);
     if (config.body || root.has("level_set")) bind_level_set(root, config);

@@ -1,11 +1,11 @@
 #include "simulate/crossings.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/box_intersection_d.h>
 
 #include <algorithm>
 
 #include "cloth/error.h"
+#include "simulate/box_tree.h"
 
 namespace toile::simulate {
 
@@ -13,23 +13,57 @@ namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_3;
-using Box = CGAL::Box_intersection_d::Box_d<double, 3, CGAL::Box_intersection_d::ID_NONE>;
 
-/// A box that knows whose it is.
-struct TriangleBox : Box {
-    TriangleBox(const CGAL::Bbox_3& box, int from) : Box(box), owner(from) {}
-    int id() const { return owner; }
-    int owner;
+/// Boxes around edges and triangles, relative to the middle of the mesh, which the boxes' floats resolve best.
+class Boxes {
+  public:
+    explicit Boxes(const Positions& x) {
+        std::vector<double> value(x.rows());
+        const auto quantile = [&](double share) {
+            const auto nth = value.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(x.rows() - 1));
+            std::nth_element(value.begin(), nth, value.end());
+            return *nth;
+        };
+        for (int k = 0; k < 3 && x.rows() > 0; ++k) {
+            for (Eigen::Index v = 0; v < x.rows(); ++v) value[v] = x(v, k);
+            middle_[k] = quantile(0.5);
+        }
+        for (Eigen::Index v = 0; v < x.rows(); ++v) value[v] = (x.row(v) - middle_).cwiseAbs().maxCoeff();
+        if (x.rows() > 0) reach_ = static_cast<float>(std::min(quantile(0.9), largest));
+        for (Eigen::Index v = 0; v < x.rows(); ++v) vertex_.push_back(around_point(x.row(v) - middle_));
+    }
+
+    /// A tree of the boxes of features with the vertices in the rows of `feature`.
+    template <class Rows>
+    BoxTree tree(const Rows& feature) const {
+        std::vector<Box> boxes;
+        boxes.reserve(feature.rows());
+        for (Eigen::Index f = 0; f < feature.rows(); ++f) {
+            Box box = vertex_[feature(f, 0)];
+            for (Eigen::Index k = 1; k < feature.cols(); ++k) box = around(box, vertex_[feature(f, k)]);
+            box.widen(0.0f);
+            boxes.push_back(box);
+        }
+        BoxTree tree;
+        tree.build(boxes, reach_);
+        return tree;
+    }
+
+  private:
+    static constexpr double largest = 1e37;  // of what is further away the boxes overlap
+
+    static Box around_point(const Eigen::RowVector3d& point) {
+        Box box = Box::empty();
+        for (int k = 0; k < 3; ++k)
+            box.low[k] = box.high[k] = static_cast<float>(std::clamp(point[k], -largest, largest));
+        box.low[3] = box.high[3] = 0.0f;
+        return box;
+    }
+
+    Eigen::RowVector3d middle_ = Eigen::RowVector3d::Zero();
+    float reach_ = 0.0f;
+    std::vector<Box> vertex_;
 };
-
-std::vector<TriangleBox> triangle_boxes(const Triangles& triangle, const std::vector<Point>& point) {
-    std::vector<TriangleBox> boxes;
-    boxes.reserve(triangle.rows());
-    for (int f = 0; f < triangle.rows(); ++f)
-        boxes.emplace_back(point[triangle(f, 0)].bbox() + point[triangle(f, 1)].bbox() + point[triangle(f, 2)].bbox(),
-                           f);
-    return boxes;
-}
 
 bool share_a_vertex(const Topology& topology, int e, const Triangles& triangle, int f) {
     for (int corner = 0; corner < 3; ++corner)
@@ -52,20 +86,13 @@ std::vector<Crossing> find_crossings(const Triangles& triangle, const Topology& 
     for (int v = 0; v < position.rows(); ++v) point.emplace_back(position(v, 0), position(v, 1), position(v, 2));
 
     std::vector<Crossing> found;
-    // An edge lies in the boxes of both of its triangles: it is tested with the first of them only.
-    const auto test_edges_of = [&](int owner, int f) {
-        for (int corner = 0; corner < 3; ++corner) {
-            const int e = topology.triangle_edge(owner, corner);
-            if (topology.edge_triangle(e, 0) != owner || share_a_vertex(topology, e, triangle, f)) continue;
-            if (cross(point[topology.edge(e, 0)], point[topology.edge(e, 1)], point[triangle(f, 0)],
-                      point[triangle(f, 1)], point[triangle(f, 2)]))
-                found.push_back({e, f});
-        }
-    };
-    std::vector<TriangleBox> boxes = triangle_boxes(triangle, point);
-    CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const TriangleBox& a, const TriangleBox& b) {
-        test_edges_of(a.owner, b.owner);
-        test_edges_of(b.owner, a.owner);
+    const Boxes boxes(position);
+    boxes.tree(topology.edge).each_overlap(boxes.tree(triangle), [&](int e, int f) {
+        if (!share_a_vertex(topology, e, triangle, f) &&
+            cross(point[topology.edge(e, 0)], point[topology.edge(e, 1)], point[triangle(f, 0)], point[triangle(f, 1)],
+                  point[triangle(f, 2)]))
+            found.push_back({e, f});
+        return true;
     });
     std::sort(found.begin(), found.end(), [](const Crossing& a, const Crossing& b) {
         return a.edge != b.edge ? a.edge < b.edge : a.triangle < b.triangle;

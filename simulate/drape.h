@@ -12,6 +12,7 @@
 #include "simulate/ladder.h"
 #include "simulate/material.h"
 #include "simulate/options.h"
+#include "simulate/wind.h"
 #include "skin/body.h"
 #include "skin/pose.h"
 #include "skin/skinning.h"
@@ -24,7 +25,9 @@ struct DrapeScene {
     ClothMesh mesh;  ///< with masses; `rest_position` is where the neutral drape starts
     MembraneOptions membrane;
     std::optional<BendingOptions> bending;
-    std::optional<ContactOptions> contact;  ///< required by body, table and sphere
+    std::optional<StrainLimitOptions> strain_limit;  ///< `implicit` alone
+    std::optional<WindOptions> wind;                 ///< `implicit` alone
+    std::optional<ContactOptions> contact;           ///< required by body, table and sphere
     std::optional<SelfContactOptions> self_contact;
     std::optional<skin::Body> body;
     skin::SkinningMethod skinning = skin::SkinningMethod::linear;

@@ -20,6 +20,13 @@ const DrapeScene& checked(const DrapeScene& scene) {
         throw Error("every vertex of a garment to be draped needs a mass above 0");
     const bool touches = scene.body || scene.table || scene.sphere;
     if (touches && !scene.contact) throw Error("a scene with a body, a table or a sphere needs contact");
+    if (scene.solver.solver != "implicit") {
+        const std::string only = " is known to the solver \"implicit\" alone";
+        if (scene.strain_limit) throw Error("a strain limit" + only);
+        if (scene.wind) throw Error("wind" + only);
+        if (scene.bending && scene.bending->rest == BendingRest::start) throw Error("bending about the start" + only);
+        if (scene.membrane.compression == Compression::tension_field) throw Error("a tension field" + only);
+    }
     for (int v : scene.pinned)
         if (v < 0 || v >= scene.mesh.vertex_count())
             throw Error("pinned vertex " + std::to_string(v) + " does not exist");
@@ -32,7 +39,7 @@ DrapeModel::DrapeModel(const DrapeScene& from)
     : scene(checked(from)),
       topology(build_topology(scene.mesh.triangle)),
       rest_length(edge_rest_lengths(scene.mesh, topology)),
-      elasticity(scene.mesh, topology, scene.membrane, scene.bending, scene.solver.gravity),
+      elasticity(scene.mesh, topology, scene.membrane, scene.bending, scene.solver.gravity, scene.strain_limit),
       symbolic(std::make_shared<const BlockSymbolic>(scene.mesh.vertex_count(), elasticity.pairs())) {
     elasticity.bind(*symbolic);
     if (scene.contact) points = contact_points(scene.mesh, topology, *symbolic);

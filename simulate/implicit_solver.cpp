@@ -22,7 +22,9 @@ ImplicitSolver::ImplicitSolver(const DrapeModel& model, const std::vector<Contac
                                                      *model.scene.self_contact, model.pressure)
                         : std::nullopt),
       step_(model.scene.mesh, model.elasticity, model.symbolic, model.scene.pinned, contacts,
-            self_contact_ ? &*self_contact_ : nullptr, model.scene.solver.damping) {}
+            self_contact_ ? &*self_contact_ : nullptr, model.scene.solver.damping) {
+    if (model.scene.wind) step_.expose_to(&wind_.emplace(model.scene.mesh, *model.scene.wind));
+}
 
 void ImplicitSolver::start(const Positions& x) {
     x_ = x;
@@ -87,7 +89,9 @@ double ImplicitSolver::residual_force() {
 
 double ImplicitSolver::energy() const {
     double energy = model_.elasticity.energy(x_);
+    if (wind_) energy += wind_->energy(x_);
     for (const Contact* contact : contacts_) energy += contact->energy(x_);
+    if (self_contact_) energy += self_contact_->energy(x_);
     return energy;
 }
 

@@ -32,6 +32,7 @@ class ImplicitSolver final : public Solver {
     std::vector<Contact*> contacts_;
     DrapeReport& report_;
     std::optional<SelfContact> self_contact_;
+    std::optional<Wind> wind_;
     ImplicitStep step_;
     Positions x_, inertial_, velocity_, before_;
     double time_step_ = 0.0;  ///< of the next settling step [s]

@@ -41,6 +41,7 @@ double ImplicitStep::energy(const Target& target, const Positions& x) const {
     double energy = mesh_.mass.dot(0.5 / (h * h) * inertia + 0.5 * damping_ / h * drag) + elasticity_.energy(x);
     for (const Contact* contact : contacts_) energy += contact->energy(x);
     if (self_contact_) energy += self_contact_->energy(x);
+    if (wind_) energy += wind_->energy(x);
     return energy;
 }
 
@@ -56,6 +57,7 @@ void ImplicitStep::gradient_of(const Target& target, const Positions& x) {
     elasticity_.add_gradient(x, gradient_);
     for (Contact* contact : contacts_) contact->add_gradient(gradient_);
     if (self_contact_) self_contact_->add_gradient(gradient_);
+    if (wind_) wind_->add_gradient(gradient_);
     clear_pinned(gradient_);
 }
 
@@ -66,6 +68,7 @@ void ImplicitStep::linearise(const Positions& x, DrapeReport& report) {
         const Stopwatch watch(report.contact_seconds);
         for (Contact* contact : contacts_) contact->linearise(x);
     }
+    if (wind_) wind_->linearise(x);
     if (!self_contact_) return;
     const Stopwatch watch(report.self_contact_seconds);
     self_contact_->look_around(x);
@@ -78,6 +81,7 @@ double ImplicitStep::static_residual(const Positions& x, DrapeReport& report) {
     elasticity_.add_gradient(x, gradient_);
     for (Contact* contact : contacts_) contact->add_gradient(gradient_);
     if (self_contact_) self_contact_->add_gradient(gradient_);
+    if (wind_) wind_->add_gradient(gradient_);
     clear_pinned(gradient_);
     return gradient_.norm();
 }

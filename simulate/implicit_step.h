@@ -8,6 +8,7 @@
 #include "simulate/drape.h"
 #include "simulate/elasticity.h"
 #include "simulate/self_contact.h"
+#include "simulate/wind.h"
 
 namespace toile::simulate {
 
@@ -23,6 +24,9 @@ class ImplicitStep {
     ImplicitStep(const ClothMesh& mesh, const Elasticity& elasticity, std::shared_ptr<const BlockSymbolic> symbolic,
                  const std::vector<int>& pinned, std::vector<Contact*> contacts, SelfContact* self_contact,
                  double damping);
+
+    /// Wind that acts on the cloth from now on, taken anew in each iteration; null for none.
+    void expose_to(Wind* wind) { wind_ = wind; }
 
     struct Target {
         const Positions* carried;   ///< c
@@ -59,6 +63,7 @@ class ImplicitStep {
     std::vector<bool> pinned_;  // of each vertex
     std::vector<Contact*> contacts_;
     SelfContact* self_contact_;
+    Wind* wind_ = nullptr;
     double damping_;
     CoupledHessian hessian_;
     Positions gradient_, direction_, trial_;

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 namespace toile::simulate {
 namespace {
@@ -9,9 +10,16 @@ namespace {
 /// A side of a triangle that is squeezed below this share of its length counts as that long where a step is sized: its
 /// strain's gradient vanishes, and Newton's step would throw its ends apart.
 constexpr double shortest_stretch = 0.5;
-/// Largest q/m times a triangle's geometric stiffness up to which its force may keep the direction of the step's start.
-/// An explicit force is stable up to 4; a vertex has six triangles.
-constexpr double largest_lagged_force = 0.2;
+/// A kept force whose direction lags behind by a step is stable up to q/m times its geometric stiffness of 4; this is
+/// for one triangle of those around a vertex.
+constexpr double largest_lag = 2.0;
+/// A block up to this stiff, as q D G, keeps its force in full, a stiffer one less: sweeps approach the forces of stiff
+/// blocks slowly, and kept in full the rest would build up and overshoot, step after step (integral windup).
+constexpr double largest_kept_stiffness = 4.0;
+
+double kept_share(double stiffness) {
+    return stiffness > largest_kept_stiffness ? largest_kept_stiffness / stiffness : 1.0;
+}
 
 using Deformation = Eigen::Matrix<double, 3, 2>;
 
@@ -43,6 +51,11 @@ Eigen::Matrix3d strain_mobility(const Deformation& f, const Eigen::Matrix2d& g) 
     mobility(0, 2) = mobility(2, 0) = g(0, 0) * uv + g(0, 1) * uu;
     mobility(1, 2) = mobility(2, 1) = g(0, 1) * vv + g(1, 1) * uv;
     return mobility;
+}
+
+/// Of the symmetric matrix (uu, vv, uv).
+double spectral_norm(const Eigen::RowVector3d& s) {
+    return std::abs(0.5 * (s[0] + s[1])) + std::hypot(0.5 * (s[0] - s[1]), s[2]);
 }
 
 Eigen::Matrix2d weighted_gradients(const XpbdMobility& mobility, const int (&vertex)[3],
@@ -102,6 +115,24 @@ void XpbdConstraints::add_forces(const Positions& start, const XpbdForces& force
         for (int i = 0; i < 4; ++i) total.row(hinge_[k].vertex[i]) -= hinge_[k].weight[i] * forces.bending.row(k);
 }
 
+void XpbdConstraints::follow_forces(const XpbdMobility& mobility, const XpbdForces& reached, XpbdForces& kept) const {
+    const double q = mobility.squared_time;
+    for (size_t k = 0; k < triangle_.size(); ++k) {
+        const Triangle& triangle = triangle_[k];
+        const Eigen::Matrix2d g = weighted_gradients(mobility, triangle.vertex, triangle.stencil.corner_gradient);
+        const MembraneStiffness& c = stiffness_;
+        const double stiff = q * triangle.stencil.area * (c.uu * g(0, 0) + c.vv * g(1, 1) + c.shear * g.trace());
+        kept.membrane.row(k) += kept_share(stiff) * (reached.membrane.row(k) - kept.membrane.row(k));
+    }
+    for (size_t k = 0; k < hinge_.size(); ++k) {
+        double squared_weight = 0.0;
+        for (int i = 0; i < 4; ++i)
+            squared_weight += mobility.inverse_mass[hinge_[k].vertex[i]] * hinge_[k].weight[i] * hinge_[k].weight[i];
+        kept.bending.row(k) +=
+            kept_share(q * hinge_[k].stiffness * squared_weight) * (reached.bending.row(k) - kept.bending.row(k));
+    }
+}
+
 void XpbdConstraints::sweep_triangle(const XpbdMobility& mobility, const Triangle& triangle, const Positions& start,
                                      Eigen::Ref<Eigen::RowVector3d> force, Positions& x) const {
     const double q = mobility.squared_time;
@@ -118,7 +149,7 @@ void XpbdConstraints::sweep_triangle(const XpbdMobility& mobility, const Triangl
     };
     const Deformation* along = &begun;
     Eigen::RowVector3d change = change_along(begun);
-    if (q * weighted.trace() * (force + change).cwiseAbs().maxCoeff() > largest_lagged_force) {
+    if (lag(mobility, triangle, force + change) > largest_lag) {
         along = &now;
         change = change_along(now);
     }
@@ -129,17 +160,33 @@ void XpbdConstraints::sweep_triangle(const XpbdMobility& mobility, const Triangl
             q * mobility.inverse_mass[triangle.vertex[i]] * (flux * gradient.row(i).transpose()).transpose();
 }
 
-double XpbdConstraints::bound_forces(const XpbdMobility& mobility, XpbdForces& forces) const {
-    double largest = 0.0;
+double XpbdConstraints::lag(const XpbdMobility& mobility, const Triangle& triangle, const Eigen::RowVector3d& force) {
+    const Eigen::Vector3d slope = triangle.stencil.corner_gradient.rowwise().norm();
+    double most = 0.0;
+    for (int i = 0; i < 3; ++i) most = std::max(most, mobility.inverse_mass[triangle.vertex[i]] * slope[i]);
+    return mobility.squared_time * spectral_norm(force) * most * slope.sum();
+}
+
+void XpbdConstraints::add_stiffness(const XpbdForces& forces, Eigen::VectorXd& stiffness) const {
+    const double stiffest = std::max({stiffness_.uu, stiffness_.vv, stiffness_.shear});
     for (size_t k = 0; k < triangle_.size(); ++k) {
         const Triangle& triangle = triangle_[k];
-        const double lagged = mobility.squared_time *
-                              weighted_gradients(mobility, triangle.vertex, triangle.stencil.corner_gradient).trace() *
-                              forces.membrane.row(k).cwiseAbs().maxCoeff();
-        if (lagged > largest_lagged_force) forces.membrane.row(k) *= largest_lagged_force / lagged;
-        largest = std::max(largest, lagged / largest_lagged_force);
+        const Eigen::Vector3d slope = triangle.stencil.corner_gradient.rowwise().norm();
+        const double both = triangle.stencil.area * stiffest + spectral_norm(forces.membrane.row(k));
+        for (int i = 0; i < 3; ++i) stiffness[triangle.vertex[i]] += both * slope.sum() * slope[i];
     }
-    return largest;
+    for (const Hinge& hinge : hinge_) {
+        double sum = 0.0;
+        for (double weight : hinge.weight) sum += std::abs(weight);
+        for (int i = 0; i < 4; ++i) stiffness[hinge.vertex[i]] += hinge.stiffness * sum * std::abs(hinge.weight[i]);
+    }
+}
+
+void XpbdConstraints::bound_forces(const XpbdMobility& mobility, XpbdForces& forces) const {
+    for (size_t k = 0; k < triangle_.size(); ++k) {
+        const double lagging = lag(mobility, triangle_[k], forces.membrane.row(k));
+        if (lagging > largest_lag) forces.membrane.row(k) *= largest_lag / lagging;
+    }
 }
 
 void XpbdConstraints::sweep_hinge(const XpbdMobility& mobility, const Hinge& hinge,

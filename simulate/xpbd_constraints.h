@@ -15,7 +15,7 @@ namespace toile::simulate {
 /// that a step starts from the forces of the one before.
 struct XpbdForces {
     Positions membrane;  ///< `[F x 3]` pattern area times second Piola-Kirchhoff stress (uu, vv, uv) [N m]
-    Positions bending;   ///< `[H x 3]` along each hinge's Σ w x [N/m]
+    Positions bending;   ///< `[H x 3]` stiffness times Σ w x of each hinge [N]
 };
 
 /// How a step of length h with damping α turns a force on a vertex into a move: q times its inverse mass.
@@ -40,11 +40,15 @@ class XpbdConstraints {
                     const std::optional<BendingOptions>& bending);
 
     XpbdForces no_forces() const;
-    /// Scales down forces that are too large to be kept from one step to the next, whose direction then lags. Returns
-    /// the largest over what is allowed.
-    double bound_forces(const XpbdMobility& mobility, XpbdForces& forces) const;
+    /// Adds a bound on the stiffness that each vertex meets `[V]` [N/m]: the row sums, without signs, of the energy's
+    /// Hessian in the rest state and of what the forces resist to turning.
+    void add_stiffness(const XpbdForces& forces, Eigen::VectorXd& stiffness) const;
+    /// Scales down forces that are too large to lag behind by a step, each triangle's for itself.
+    void bound_forces(const XpbdMobility& mobility, XpbdForces& forces) const;
     /// Adds each block's −Jᵀ s to the forces on the vertices `[V x 3]` [N].
     void add_forces(const Positions& start, const XpbdForces& forces, Positions& total) const;
+    /// Lets the forces that the next step starts from follow those that this step reached.
+    void follow_forces(const XpbdMobility& mobility, const XpbdForces& reached, XpbdForces& kept) const;
     /// One Gauss-Seidel sweep over all blocks in the order of their indices.
     void sweep(const XpbdMobility& mobility, const Positions& start, XpbdForces& forces, Positions& x) const;
 
@@ -56,8 +60,9 @@ class XpbdConstraints {
     struct Hinge {
         int vertex[4];
         double weight[4];
-        double stiffness;  // [N/m^...]: energy is half of it times |Σ w x|²
+        double stiffness;  // energy is half of it times |Σ w x|² [N/m]
     };
+    static double lag(const XpbdMobility& mobility, const Triangle& triangle, const Eigen::RowVector3d& force);
     void sweep_triangle(const XpbdMobility& mobility, const Triangle& triangle, const Positions& start,
                         Eigen::Ref<Eigen::RowVector3d> force, Positions& x) const;
     static void sweep_hinge(const XpbdMobility& mobility, const Hinge& hinge, Eigen::Ref<Eigen::RowVector3d> force,

@@ -1,5 +1,6 @@
 #include "simulate/xpbd_solver.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "simulate/stopwatch.h"
@@ -10,14 +11,16 @@ namespace {
 /// No vertex moves further in one small step than the level set's band is deep, or it could pass through a limb unseen
 /// [m].
 constexpr double largest_move = 0.01;
+/// While settling no vertex is lighter than makes q/m times its stiffness this. The first value is for coming near
+/// rest, stiff cloth being soft as sweeps do not get through it; at each stop it falls by `relative_fall` to the last,
+/// where almost all forces are kept and rest is exact.
+constexpr double first_relative_stiffness = 1000.0, last_relative_stiffness = 20.0, relative_fall = 0.9;
 
 XpbdSystem make_system(const DrapeModel& model, const std::vector<Contact*>& contacts) {
     const DrapeScene& scene = model.scene;
     XpbdSystem system{XpbdConstraints(scene.mesh, model.topology, scene.membrane, scene.bending),
                       {},
-                      scene.mesh.mass.cwiseInverse(),
-                      scene.solver.gravity};
-    for (int v : scene.pinned) system.inverse_mass[v] = 0.0;
+                      scene.mesh.mass * scene.solver.gravity.transpose()};
     for (const Contact* contact : contacts) system.contacts.emplace_back(*contact);
     return system;
 }
@@ -29,6 +32,8 @@ XpbdParameters parameters_of(const DrapeScene& scene) {
     parameters.damping = scene.solver.damping;
     parameters.iterations = options.iterations;
     parameters.keep_forces = options.keep_forces;
+    parameters.inverse_mass = scene.mesh.mass.cwiseInverse();
+    for (int v : scene.pinned) parameters.inverse_mass[v] = 0.0;
     if (scene.contact) parameters.largest_move = largest_move;
     return parameters;
 }
@@ -40,7 +45,8 @@ XpbdSolver::XpbdSolver(const DrapeModel& model, const std::vector<Contact*>& con
       contacts_(contacts),
       report_(report),
       system_(make_system(model, contacts)),
-      parameters_(parameters_of(model.scene)) {}
+      parameters_(parameters_of(model.scene)),
+      settling_(parameters_) {}
 
 void XpbdSolver::tie(bool solids_moved) {
     const Stopwatch watch(report_.contact_seconds);
@@ -57,6 +63,7 @@ void XpbdSolver::keep_anchors() {
 void XpbdSolver::start(const Positions& x) {
     state_ = system_.state_at(x);
     kinetic_energy_ = 0.0;
+    relative_stiffness_ = first_relative_stiffness;
     tie(true);
 }
 
@@ -68,21 +75,33 @@ void XpbdSolver::follow(const Positions& carried) {
         state_ = xpbd_step(system_, parameters_, std::move(state_));
     keep_anchors();
     kinetic_energy_ = 0.0;
+    relative_stiffness_ = first_relative_stiffness;
 }
 
-double XpbdSolver::kinetic_energy() const {
-    return 0.5 * model_.scene.mesh.mass.dot(state_.velocity.rowwise().squaredNorm());
+void XpbdSolver::add_mass() {
+    Eigen::VectorXd stiffness = Eigen::VectorXd::Zero(state_.position.rows());
+    system_.constraints.add_stiffness(state_.forces, stiffness);
+    const double q = parameters_.mobility().squared_time;
+    for (int v = 0; v < stiffness.size(); ++v) {
+        const double lightest = relative_stiffness_ / (q * stiffness[v]);
+        settling_.inverse_mass[v] = std::min(parameters_.inverse_mass[v], lightest);
+    }
 }
 
 void XpbdSolver::settle() {
     ++report_.iterations;
     tie(false);
     for (int k = 0; k < model_.scene.solver.xpbd.substeps; ++k) {
-        state_ = xpbd_step(system_, parameters_, std::move(state_));
-        const double energy = kinetic_energy();
+        add_mass();
+        state_ = xpbd_step(system_, settling_, std::move(state_));
+        double energy = 0.0;
+        for (int v = 0; v < state_.velocity.rows(); ++v)
+            if (settling_.inverse_mass[v] > 0.0)
+                energy += state_.velocity.row(v).squaredNorm() / settling_.inverse_mass[v];
         if (energy < kinetic_energy_) {
             state_.velocity.setZero();
             kinetic_energy_ = 0.0;
+            relative_stiffness_ = std::max(last_relative_stiffness, relative_fall * relative_stiffness_);
         } else {
             kinetic_energy_ = energy;
         }
@@ -103,8 +122,9 @@ double XpbdSolver::residual_force() {
 double XpbdSolver::largest_speed() {
     XpbdState state = state_;
     state.velocity.setZero();
-    for (int k = 0; k < model_.scene.solver.xpbd.substeps; ++k)
+    for (int k = 0; k < model_.scene.solver.xpbd.substeps; ++k) {
         state = xpbd_step(system_, parameters_, std::move(state));
+    }
     return std::sqrt((state.position - state_.position).rowwise().squaredNorm().maxCoeff()) /
            model_.scene.solver.time_step;
 }

@@ -26,15 +26,16 @@ class XpbdSolver final : public Solver {
   private:
     void tie(bool solids_moved);
     void keep_anchors();
-    double kinetic_energy() const;
+    void add_mass();
 
     const DrapeModel& model_;
     std::vector<Contact*> contacts_;
     DrapeReport& report_;
     XpbdSystem system_;
-    XpbdParameters parameters_;
+    XpbdParameters parameters_, settling_;
     XpbdState state_;
-    double kinetic_energy_ = 0.0;  ///< after the last small step while settling [J]
+    double relative_stiffness_ = 0.0;
+    double kinetic_energy_ = 0.0;  ///< after the last small step while settling
 };
 
 }  // namespace toile::simulate

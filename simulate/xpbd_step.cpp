@@ -31,32 +31,31 @@ XpbdState XpbdSystem::state_at(const Positions& x) const {
 }
 
 XpbdState xpbd_step(const XpbdSystem& system, const XpbdParameters& parameters, XpbdState state) {
-    const double h = parameters.time_step, drag = 1.0 + parameters.damping * h;
-    const XpbdMobility mobility{h * h / drag, system.inverse_mass};
+    const double h = parameters.time_step;
+    const XpbdMobility mobility = parameters.mobility();
     if (!parameters.keep_forces) forget_forces(system, state);
+    system.constraints.bound_forces(mobility, state.forces);
 
     const Positions start = state.position;
-    Positions force = Positions::Zero(start.rows(), 3);
-    if (parameters.keep_forces) {
-        system.constraints.bound_forces(mobility, state.forces);
-        system.constraints.add_forces(start, state.forces, force);
-    }
+    Positions force = system.weight;
+    system.constraints.add_forces(start, state.forces, force);
     for (size_t k = 0; k < system.contacts.size(); ++k) {
         system.contacts[k].begin(start, state.touches[k]);
         system.contacts[k].add_forces(state.touches[k], force);
     }
     Positions& x = state.position;
     for (int v = 0; v < x.rows(); ++v) {
-        if (system.inverse_mass[v] == 0.0) continue;
-        x.row(v) += h / drag * state.velocity.row(v) +
-                    mobility.squared_time * (system.gravity.transpose() + system.inverse_mass[v] * force.row(v));
+        if (mobility.inverse_mass[v] == 0.0) continue;
+        x.row(v) += mobility.squared_time * (state.velocity.row(v) / h + mobility.inverse_mass[v] * force.row(v));
     }
+    XpbdForces reached = state.forces;
     for (int iteration = 0; iteration < parameters.iterations; ++iteration) {
-        system.constraints.sweep(mobility, start, state.forces, x);
+        system.constraints.sweep(mobility, start, reached, x);
         for (size_t k = 0; k < system.contacts.size(); ++k) system.contacts[k].sweep(mobility, state.touches[k], x);
     }
     if (parameters.largest_move > 0.0) bound_moves(start, parameters.largest_move, x);
     for (size_t k = 0; k < system.contacts.size(); ++k) system.contacts[k].end(x, state.touches[k]);
+    system.constraints.follow_forces(mobility, reached, state.forces);
     state.velocity = (x - start) / h;
     return state;
 }

@@ -19,19 +19,21 @@ struct XpbdState {
 struct XpbdSystem {
     XpbdConstraints constraints;
     std::vector<XpbdContact> contacts;  ///< one for each solid
-    Eigen::VectorXd inverse_mass;       ///< `[V]` [1/kg], 0 where pinned
-    Eigen::Vector3d gravity;            ///< [m/s^2]
+    Positions weight;                   ///< `[V x 3]` [N]
 
     /// At rest in x, without forces.
     XpbdState state_at(const Positions& x) const;
 };
 
 struct XpbdParameters {
-    double time_step;           ///< h of this one step [s]
-    double damping = 0.0;       ///< α, mass-proportional [1/s]
-    int iterations = 1;         ///< sweeps over all constraints
-    bool keep_forces = true;    ///< start from the forces of the step before instead of none
-    double largest_move = 0.0;  ///< no vertex goes further [m]; 0: no bound
+    double time_step = 0.0;        ///< h of this one step [s]
+    double damping = 0.0;          ///< α, mass-proportional [1/s]
+    int iterations = 1;            ///< sweeps over all constraints
+    bool keep_forces = true;       ///< start from the forces of the step before instead of none
+    double largest_move = 0.0;     ///< no vertex goes further [m]; 0: no bound
+    Eigen::VectorXd inverse_mass;  ///< `[V]` [1/kg], 0 where pinned
+
+    XpbdMobility mobility() const { return {time_step * time_step / (1.0 + damping * time_step), inverse_mass}; }
 };
 
 /// One small step (Macklin et al. 2019, "Small steps in physics simulation", algorithm 1): from the position that
@@ -39,9 +41,9 @@ struct XpbdParameters {
 /// the move over h. Damping enlarges the mass to m (1 + α h), as in an implicit Euler step.
 ///
 /// A function of its arguments alone. Where nothing moves any more all constraints hold exactly, so a state at rest is
-/// a minimum of the energy whatever the step and the iterations, if forces are kept. If they are not (the method as it
-/// was published), cloth hangs longer than its energy wants by a share that vanishes with the step, and with more
-/// iterations.
+/// a minimum of the energy whatever the step and the iterations, if forces are kept; cloth that is stiff for the step
+/// takes long to get there. If they are not (the method as it was published), cloth stretches more than its energy
+/// wants by a share that vanishes with the square of the step, and with more iterations.
 XpbdState xpbd_step(const XpbdSystem& system, const XpbdParameters& parameters, XpbdState state);
 
 }  // namespace toile::simulate

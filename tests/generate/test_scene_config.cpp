@@ -57,9 +57,10 @@ TEST_F(SceneConfigTest, AnAbsentTableIsAnAbsentFeature) {
     const SceneConfig plain = read("[garment]\nsource = \"patch\"\n");
     EXPECT_FALSE(plain.body || plain.poses || plain.bending || plain.contact || plain.image || plain.pins ||
                  plain.table || plain.sphere);
-    EXPECT_EQ(left_out(plain).size(), 7u);
+    EXPECT_EQ(left_out(plain).size(), 9u);
     EXPECT_THAT(left_out(plain), Contains(HasSubstr("no [body]: no skinning, no level set")));
-    const SceneConfig full = read(std::string(body_scene) + "[bending]\n[image]\n[pins]\n[table]\n[sphere]\n");
+    const SceneConfig full =
+        read(std::string(body_scene) + "[bending]\n[strain_limit]\n[wind]\n[image]\n[pins]\n[table]\n[sphere]\n");
     EXPECT_TRUE(full.body && full.poses && full.bending && full.contact && full.image && full.pins && full.table &&
                 full.sphere);
     EXPECT_TRUE(left_out(full).empty());
@@ -84,6 +85,31 @@ TEST_F(SceneConfigTest, ReadsLimitsAndRoles) {
                 HasSubstr("poses.limits.head.raise is [ 1, 0 ]"));
     EXPECT_THAT(error(std::string(body_scene) + "[poses.limits]\nhead = { lift = [0, 1] }\n"),
                 HasSubstr("unknown key poses.limits.head.lift"));
+}
+
+TEST_F(SceneConfigTest, APresetIsWhereTheOtherKeysStart) {
+    const std::string patch = "[garment]\nsource = \"patch\"\n[material]\npreset = \"denim\"\n";
+    const SceneConfig config = read(patch + "shear_stiffness = 77\n[bending]\n");
+    EXPECT_EQ(config.membrane.density_per_area, 0.324);
+    EXPECT_EQ(config.membrane.shear_stiffness, 77.0);
+    EXPECT_NEAR(config.bending->stiffness, 1.85e-5, 0.01e-5);
+    EXPECT_EQ(read(patch + "[bending]\nstiffness = 1e-4\n").bending->stiffness, 1e-4);
+    EXPECT_FALSE(read(patch).bending);
+    EXPECT_EQ(read(config.absolute_text).absolute_text, config.absolute_text);
+    EXPECT_THAT(error("[garment]\nsource = \"patch\"\n[material]\npreset = \"chain mail\"\n"),
+                HasSubstr("material.preset is \"chain mail\""));
+}
+
+TEST_F(SceneConfigTest, ReadsWindLimitAndCompression) {
+    const SceneConfig config = read(
+        "[garment]\nsource = \"patch\"\n[material]\ncompression = \"tension_field\"\n[wind]\nvelocity = [1, 0, 2]\n"
+        "[strain_limit]\nwarp = 1.05\n[bending]\nrest = \"start\"\n");
+    EXPECT_EQ(config.membrane.compression, Compression::tension_field);
+    EXPECT_EQ(config.wind->velocity, Eigen::Vector3d(1, 0, 2));
+    EXPECT_EQ(config.strain_limit->warp, 1.05);
+    EXPECT_EQ(config.strain_limit->weft, simulate::StrainLimitOptions().weft);
+    EXPECT_EQ(config.bending->rest, simulate::BendingRest::start);
+    EXPECT_THAT(error("[garment]\nsource = \"patch\"\n[strain_limit]\nwarp = 1.0\n"), HasSubstr("1.001"));
 }
 
 TEST_F(SceneConfigTest, RefusesTablesThatDoNotGoTogether) {
@@ -124,7 +150,7 @@ TEST_F(SceneConfigTest, TheReadmeNamesEveryKey) {
     const std::string readme{std::istreambuf_iterator<char>(stream), {}};
     // scene.toml stands for any file that is there
     const std::vector<std::string> scene = {
-        std::string(body_scene) + "[bending]\n[image]\n[pins]\n[table]\n[sphere]\n",
+        std::string(body_scene) + "[bending]\n[strain_limit]\n[wind]\n[image]\n[pins]\n[table]\n[sphere]\n",
         "[body]\nsource = \"file\"\nfile = \"scene.toml\"\n[contact]\n[poses]\nsource = \"bvh\"\nfile = "
         "\"scene.toml\"\n"
         "[garment]\nsource = \"file\"\nfile = \"scene.toml\"\n",

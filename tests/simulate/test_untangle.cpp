@@ -22,13 +22,15 @@ Outcome untangled(const test::Surface& from, const std::vector<int>& pinned = {}
     return outcome;
 }
 
-/// Nothing crosses any more, no vertex moved further than `largest_move` [m], no edge changed by more than a fifth.
+/// Nothing crosses any more, no vertex moved further than `largest_move` [m], no edge changed by more than the options
+/// allow.
 void expect_mended(const test::Surface& from, double largest_move) {
     const Topology topology = build_topology(from.triangle);
     const Outcome outcome = untangled(from);
     EXPECT_EQ(outcome.report.status, UntangleStatus::untangled);
     EXPECT_GT(outcome.report.crossings_before, 0);
     EXPECT_EQ(outcome.report.crossings_after, 0);
+    EXPECT_DOUBLE_EQ(outcome.report.gap, UntangleOptions{}.separation);
     EXPECT_EQ(count_self_intersections(from.triangle, outcome.position), 0);
     EXPECT_LE(outcome.report.largest_move, largest_move);
     EXPECT_DOUBLE_EQ(outcome.report.largest_move, (outcome.position - from.position).rowwise().norm().maxCoeff());
@@ -36,7 +38,7 @@ void expect_mended(const test::Surface& from, double largest_move) {
         const int a = topology.edge(e, 0), b = topology.edge(e, 1);
         const double ratio = (outcome.position.row(a) - outcome.position.row(b)).norm() /
                              (from.position.row(a) - from.position.row(b)).norm();
-        EXPECT_GT(ratio, 0.8);
+        EXPECT_GT(ratio, 0.45);
         EXPECT_LT(ratio, 1.2);
     }
 }
@@ -65,7 +67,8 @@ TEST(Untangle, OpensAnArmpit) {
     expect_mended(test::armpit(0.01), 0.020);
 }
 
-expect_mended(test::noisy_layers(), 0.010);
+TEST(Untangle, PutsNoisyLayersApart) {
+    expect_mended(test::noisy_layers(), 0.015);
 }
 
 TEST(Untangle, PinsStay) {
@@ -91,14 +94,25 @@ TEST(Untangle, ACrumpledStateEndsWithTheBudgetNoWorse) {
     test::Surface from = test::surface(test::cloth_square(10, 0.1, 0.0));
     from.position = test::crumpled(from.position, 0.05);
     UntangleOptions options;
-    options.max_iterations = 10;
+    options.max_iterations = 5;
     const Outcome outcome = untangled(from, {}, options);
     EXPECT_EQ(outcome.report.status, UntangleStatus::tangled);
-    EXPECT_LE(outcome.report.iterations, 10);
+    EXPECT_EQ(outcome.report.iterations, 5);
+    EXPECT_EQ(outcome.report.gap, 0.0);
     EXPECT_TRUE(outcome.position.allFinite());
     EXPECT_LE(outcome.report.crossings_after, outcome.report.crossings_before);
     EXPECT_EQ(static_cast<int>(find_crossings(from.triangle, build_topology(from.triangle), outcome.position).size()),
               outcome.report.crossings_after);
+}
+
+TEST(Untangle, OneVertexAMetreAwayThroughTheOtherLayer) {
+    test::Surface from = test::joined(test::surface(test::cloth_square(12, 0.15, 0.0)),
+                                      test::surface(test::cloth_square(12, 0.15, 0.02)));
+    from.position(60, 1) += 1.0;
+    const Outcome outcome = untangled(from);
+    EXPECT_GT(outcome.report.crossings_before, 0);
+    EXPECT_EQ(outcome.report.status, UntangleStatus::untangled);
+    EXPECT_EQ(count_self_intersections(from.triangle, outcome.position), 0);
 }
 
 TEST(Untangle, GivesTheSameBytesAgain) {
@@ -123,8 +137,8 @@ TEST(Untangle, RefusesOneDefectAtATime) {
     refused([](UntangleOptions& o) { o.separation = -1e-4; });
     refused([](UntangleOptions& o) { o.largest_step = 0.0; });
     refused([](UntangleOptions& o) { o.largest_step = 1.5; });
-    refused([](UntangleOptions& o) { o.length_change = 0.0; });
-    refused([](UntangleOptions& o) { o.length_change = 1.0; });
+    refused([](UntangleOptions& o) { o.max_stretch = 0.0; });
+    refused([](UntangleOptions& o) { o.max_shrink = 1.0; });
 }
 
 }  // namespace

@@ -1,0 +1,145 @@
+#include "bench/drape_results.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <limits>
+#include <ostream>
+#include <set>
+#include <sstream>
+
+namespace toile::bench {
+namespace {
+
+constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
+
+bool starts_with(const std::string& text, const std::string& beginning) {
+    return text.compare(0, beginning.size(), beginning) == 0;
+}
+
+std::string number(double value, int digits = 3) {
+    if (std::isnan(value)) return "";
+    std::ostringstream text;
+    text << std::setprecision(digits) << value;
+    return text.str();
+}
+
+/// The rows of a kind that were timed, by vertices.
+std::vector<std::pair<std::string, const DrapeTiming*>> rows_of(const DrapeResults& results, const std::string& kind) {
+    std::vector<std::pair<std::string, const DrapeTiming*>> rows;
+    for (const auto& [name, timing] : results.timing)
+        if (starts_with(name, kind) && timing.refused.empty()) rows.emplace_back(name, &timing);
+    std::stable_sort(rows.begin(), rows.end(),
+                     [](const auto& a, const auto& b) { return a.second->vertices < b.second->vertices; });
+    return rows;
+}
+
+void print_rows(std::ostream& out, const DrapeResults& results) {
+    out << "| row | vertices | median s | 95 % s | median, factorisations | factorisation ms | iterations | accepted | "
+           "error mm |\n|---|---|---|---|---|---|---|---|---|\n";
+    for (const char* kind : {"drape/", "solver/", "without/"})
+        for (const auto& [name, row] : rows_of(results, kind))
+            out << "| " << name << " | " << row->vertices << " | " << number(row->quantile_seconds(0.5)) << " | "
+                << number(row->quantile_seconds(0.95)) << " | " << number(row->units()) << " | "
+                << number(row->unit_milliseconds) << " | " << number(row->iterations) << " | "
+                << number(100 * row->accepted_share) << " % of " << row->seconds.size() << " | "
+                << number(1e3 * row->median_error()) << " |\n";
+}
+
+void print_stages(std::ostream& out, const DrapeResults& results) {
+    std::set<std::string> stages;
+    for (const auto& [name, row] : results.timing)
+        for (const auto& [stage, seconds] : row.stage) stages.insert(stage);
+    out << "\n| share of the time";
+    for (const std::string& stage : stages) out << " | " << stage;
+    out << " |\n|---";
+    for (std::size_t k = 0; k < stages.size(); ++k) out << "|---";
+    out << "|\n";
+    for (const char* kind : {"drape/", "solver/", "without/"})
+        for (const auto& [name, row] : rows_of(results, kind)) {
+            double sum = 0.0;
+            for (const auto& [stage, seconds] : row->stage) sum += seconds;
+            out << "| " << name;
+            for (const std::string& stage : stages) {
+                const auto found = row->stage.find(stage);
+                out << " | " << (found == row->stage.end() ? "" : number(100 * found->second / sum, 2) + " %");
+            }
+            out << " |\n";
+        }
+}
+
+std::set<std::string> solvers(const DrapeResults& results) {
+    std::set<std::string> names;
+    for (const auto& [name, row] : results.timing)
+        if (starts_with(name, "solver/")) names.insert(name.substr(7, name.find('/', 7) - 7));
+    return names;
+}
+
+}  // namespace
+
+double DrapeResults::exponent() const {
+    const auto rows = rows_of(*this, "drape/");
+    if (rows.size() < 2) return no_number;
+    Eigen::MatrixX2d line(rows.size(), 2);
+    Eigen::VectorXd time(rows.size());
+    for (Eigen::Index k = 0; k < line.rows(); ++k) {
+        line.row(k) << 1.0, std::log(rows[k].second->vertices);
+        time[k] = std::log(rows[k].second->quantile_seconds(0.5));
+    }
+    const Eigen::VectorXd fit = line.colPivHouseholderQr().solve(time);
+    return fit[1];
+}
+
+double DrapeResults::seconds_at_error(const std::string& solver, double error) const {
+    std::vector<std::pair<double, double>> curve;  // of logarithms: error, seconds
+    for (const auto& [name, row] : rows_of(*this, "solver/" + solver + "/"))
+        if (row->median_error() > 0.0)
+            curve.emplace_back(std::log(row->median_error()), std::log(row->quantile_seconds(0.5)));
+    std::sort(curve.begin(), curve.end());
+    const double wanted = std::log(error);
+    for (std::size_t k = 0; k + 1 < curve.size(); ++k) {
+        const auto& [low, slow] = curve[k];
+        const auto& [high, fast] = curve[k + 1];
+        if (wanted < low || wanted > high) continue;
+        const double share = high > low ? (wanted - low) / (high - low) : 0.0;
+        return std::exp(slow + share * (fast - slow));
+    }
+    return no_number;
+}
+
+void print_drape_table(std::ostream& out, const DrapeResults& results) {
+    print_rows(out, results);
+    print_stages(out, results);
+    out << '\n';
+    if (!std::isnan(results.exponent()))
+        out << "exponent of time over vertices: " << number(results.exponent()) << '\n';
+    for (const std::string& solver : solvers(results)) {
+        const double seconds = results.seconds_at_error(solver, compared_error);
+        out << solver << " at an error of " << 1e3 * compared_error
+            << " mm: " << (std::isnan(seconds) ? "not between its settings' errors" : number(seconds) + " s") << '\n';
+    }
+    if (results.peak_memory > 0) out << "peak memory at 3,000 vertices: " << number(results.peak_memory, 4) << " MB\n";
+    for (const auto& [name, timing] : results.timing)
+        if (!timing.refused.empty()) out << "refused: " << name << ": " << timing.refused << '\n';
+}
+
+std::vector<Metric> metrics(const DrapeResults& results) {
+    std::vector<Metric> list;
+    for (const auto& [name, row] : results.timing) {
+        if (!row.refused.empty()) continue;
+        list.push_back({name + "/median", row.units(), "factorisations", true, 0.25});
+        list.push_back({name + "/iterations", row.iterations, "iterations", true, 0.1});
+        if (starts_with(name, "drape/")) {
+            list.push_back({name + "/percentile_95", 1e3 * row.quantile_seconds(0.95) / row.unit_milliseconds,
+                            "factorisations", true, 0.35});
+            list.push_back({name + "/accepted", row.accepted_share, "share", false, 0.0});
+        }
+        if (!row.error.empty()) list.push_back({name + "/error", 1e3 * row.median_error(), "mm", true, 0.25});
+    }
+    if (!std::isnan(results.exponent())) list.push_back({"exponent", results.exponent(), "exponent", true, 0.1});
+    if (results.peak_memory > 0) list.push_back({"memory", results.peak_memory, "MB", true, 0.1});
+    return list;
+}
+
+}  // namespace toile::bench

@@ -1,0 +1,128 @@
+#include "evaluate/stability.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "cloth/error.h"
+#include "evaluate/case_meshes.h"
+#include "generate/ordered_work.h"
+
+namespace toile::evaluate {
+
+void EnergyTrace::add(double energy, bool first) {
+    if (std::isnan(energy)) return;
+    measured_ = true;
+    if (!first) {
+        ++steps_;
+        const double rise = (energy - last_) / weight_;
+        rise_ = std::max(rise_, rise);
+        if (rise > allowed_rise) ++rises_;
+    }
+    last_ = energy;
+}
+
+double EnergyTrace::largest_rise() const {
+    return measured_ ? rise_ : std::numeric_limits<double>::quiet_NaN();
+}
+
+const std::vector<std::string>& solver_names() {
+    static const std::vector<std::string> names{"implicit", "xpbd", "bullet"};
+    return names;
+}
+
+std::string missing_solver(const std::string& solver) {
+    simulate::DrapeScene scene;
+    scene.mesh = grid_cloth(even_lines(1, 0.1), even_lines(1, 0.1), 0.0, 0.2);
+    scene.pinned = {0, 1, 2, 3};
+    scene.solver.solver = solver;
+    try {
+        simulate::Draper(scene).drape_neutral();
+        return {};
+    } catch (const Error& error) {
+        return error.what();
+    }
+}
+
+namespace {
+
+void drape_case(const StabilityScene& scene, StabilityOutcome& outcome) {
+    outcome.energy = EnergyTrace(9.81 * scene.drape.mesh.mass.sum());
+    const simulate::EnergyWatch watch = [&](double energy, bool first) { outcome.energy.add(energy, first); };
+    const simulate::Draper draper(scene.drape);
+    simulate::DrapeResult result = draper.drape_neutral(watch);
+    double seconds = result.certificate.seconds;
+    outcome.iterations = result.report.iterations;
+    outcome.rests = result.status == simulate::DrapeStatus::accepted;
+    outcome.status = simulate::status_reason(result.status);
+    if (scene.pose && result.position.allFinite()) {
+        if (!outcome.rests) outcome.status = "neutral pose: " + outcome.status;
+        result = draper.drape(result.position, *scene.pose, watch);
+        seconds += result.certificate.seconds;
+        outcome.iterations += result.report.iterations;
+        if (outcome.rests) outcome.status = simulate::status_reason(result.status);
+        outcome.rests = outcome.rests && result.status == simulate::DrapeStatus::accepted;
+    }
+    outcome.finite = result.position.allFinite();
+    outcome.certificate = result.certificate;
+    outcome.certificate.seconds = seconds;
+    outcome.falling = outcome.energy.rises() == 0;
+}
+
+std::vector<StabilityCase> chosen_cases(const StabilityOptions& options) {
+    std::vector<StabilityCase> chosen;
+    for (StabilityCase& one : stability_cases())
+        if ((!options.quick || one.quick) && one.name.find(options.filter) != std::string::npos)
+            chosen.push_back(std::move(one));
+    if (chosen.empty())
+        throw Error("no case of the suite has \"" + options.filter + "\" in its name", "--filter",
+                    "without --filter the table lists all names");
+    return chosen;
+}
+
+}  // namespace
+
+StabilityOutcome run_stability_case(const StabilityCase& one, const std::string& solver) {
+    StabilityOutcome outcome;
+    outcome.group = one.group;
+    outcome.name = one.name;
+    outcome.solver = solver;
+    try {
+        StabilityScene scene = one.build();
+        scene.drape.solver.solver = solver;
+        outcome.vertices = scene.drape.mesh.vertex_count();
+        drape_case(scene, outcome);
+    } catch (const std::exception& failure) {
+        outcome.rests = outcome.finite = false;
+        outcome.status = std::string("refused: ") + failure.what();
+    }
+    return outcome;
+}
+
+std::vector<StabilityOutcome> run_stability(const StabilityOptions& options) {
+    const std::vector<StabilityCase> cases = chosen_cases(options);
+    std::vector<StabilityOutcome> outcomes;
+    const int total = static_cast<int>(cases.size() * options.solver.size());
+    int failed = 0;
+    for (const std::string& solver : options.solver) {
+        const std::string missing = missing_solver(solver);
+        for (const StabilityCase& one : cases) {
+            if (options.interrupted && *options.interrupted)
+                throw generate::Interrupted("interrupted: no table was written");
+            if (options.progress) options.progress({solver, static_cast<int>(outcomes.size()), total, failed});
+            if (missing.empty()) {
+                outcomes.push_back(run_stability_case(one, solver));
+            } else {
+                StabilityOutcome& absent = outcomes.emplace_back();
+                absent.group = one.group;
+                absent.name = one.name;
+                absent.solver = solver;
+                absent.status = "not available: " + missing;
+            }
+            if (!outcomes.back().passed()) ++failed;
+        }
+    }
+    return outcomes;
+}
+
+}  // namespace toile::evaluate

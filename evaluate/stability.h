@@ -1,0 +1,70 @@
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "evaluate/stability_cases.h"
+#include "generate/progress.h"
+#include "simulate/drape.h"
+
+namespace toile::evaluate {
+
+/// How often and how far a drape's energy went up on its way to rest, the solids standing still.
+class EnergyTrace {
+  public:
+    /// Energy is told in metres: how far it would lift the garment, of this weight [N].
+    explicit EnergyTrace(double weight = 1.0) : weight_(weight) {}
+
+    /// Next energy [J]; `first` where the cloth sets out. NaN: not measured.
+    void add(double energy, bool first);
+
+    bool measured() const { return measured_; }
+    int steps() const { return steps_; }  ///< between two energies of one try
+    int rises() const { return rises_; }  ///< steps that raised it by more than `allowed_rise`
+    double largest_rise() const;          ///< of one step [m]; NaN where nothing was measured
+
+  private:
+    double weight_, last_ = 0, rise_ = 0;
+    int steps_ = 0, rises_ = 0;
+    bool measured_ = false;
+};
+/// A rise that would not lift the garment by a micrometre is rounding, or friction's springs following their load [m].
+inline constexpr double allowed_rise = 1e-6;
+
+/// What became of one case with one solver.
+struct StabilityOutcome {
+    std::string group, name, solver;
+    std::string status;    ///< a certificate's reason, or why nothing was draped
+    bool rests = false;    ///< accepted by the gate in every pose
+    bool finite = false;   ///< every position
+    bool falling = false;  ///< energy never rose; also where it was not measured
+    EnergyTrace energy;
+    simulate::Certificate certificate;  ///< of the last drape; seconds: all
+    int iterations = 0, vertices = 0;
+
+    bool passed() const { return rests && finite && falling; }
+};
+
+struct StabilityOptions {
+    std::vector<std::string> solver = {"implicit"};
+    std::string filter;  ///< cases whose name holds this text; empty: all
+    bool quick = false;  ///< the quick ones alone
+    generate::ProgressCallback progress;
+    const std::atomic<bool>* interrupted = nullptr;  ///< checked between cases
+};
+
+/// The solvers that simulations can be made with, in the order they are shown.
+const std::vector<std::string>& solver_names();
+
+/// Why a solver cannot be had, as it says itself; empty where it can.
+std::string missing_solver(const std::string& solver);
+
+/// Drapes one case. Never throws for what a solver makes of it.
+StabilityOutcome run_stability_case(const StabilityCase& one, const std::string& solver);
+
+/// All cases asked for, one after the other so that times can be compared, by solver. Throws Error where the filter
+/// leaves nothing.
+std::vector<StabilityOutcome> run_stability(const StabilityOptions& options);
+
+}  // namespace toile::evaluate

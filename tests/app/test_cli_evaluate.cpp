@@ -1,0 +1,72 @@
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "tests/app/cli_runner.h"
+
+namespace toile::app {
+namespace {
+
+using ::testing::HasSubstr;
+
+const char* const patch_scene =
+    "[garment]\nsource = \"patch\"\nwidth = 0.2\nheight = 0.2\nedge_length = 0.05\n[pins]\ncorners = \"top\"\n";
+
+class CliEvaluate : public CliTest {
+  protected:
+    void SetUp() override {
+        CliTest::SetUp();
+        write("patch.toml", patch_scene);
+    }
+    std::string bytes_of(const std::string& name) const {
+        std::ostringstream bytes;
+        bytes << std::ifstream(path(name), std::ios::binary).rdbuf();
+        return bytes.str();
+    }
+};
+
+TEST_F(CliEvaluate, ExplainsItself) {
+    for (const char* command : {"evaluate", "evaluate noise", "evaluate stability"}) {
+        const Outcome outcome = run(std::string(command) + " --help");
+        EXPECT_EQ(outcome.status, 0) << command;
+        EXPECT_THAT(outcome.out, HasSubstr(std::string("  toile ") + command)) << "an example of its use";
+    }
+}
+
+TEST_F(CliEvaluate, MeasuresTheNoiseOfAScene) {
+    const Outcome outcome = run("evaluate noise patch.toml --out noise --jobs 1");
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    for (const char* word : {"noise/noise.h5", "noise/noise.json", "half_step", "fine_tolerance", "spread"})
+        EXPECT_THAT(outcome.out, HasSubstr(word));
+    EXPECT_TRUE(std::filesystem::exists(path("noise/noise.h5")));
+    EXPECT_EQ(run("evaluate noise patch.toml --out again --jobs 2").status, 0);
+    EXPECT_EQ(bytes_of("noise/noise.h5"), bytes_of("again/noise.h5"));
+}
+
+TEST_F(CliEvaluate, TriesAnExtreme) {
+    const Outcome outcome = run("evaluate stability --out stable --filter 'friction 2, on a table'");
+    EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("implicit: 1 of 1 cases passed"));
+    for (const char* name : {"stable/stability.csv", "stable/stability.json", "stable/stability.png"})
+        EXPECT_TRUE(std::filesystem::exists(path(name))) << name;
+}
+
+TEST_F(CliEvaluate, RefusesWhatItCannotMeasure) {
+    write("garbage.h5", "no HDF5");
+    write("file", "in the way");
+    expect_refused("evaluate", "subcommand");
+    expect_refused("evaluate noise patch.toml", "--out");
+    expect_refused("evaluate noise absent.toml --out d", "absent.toml");
+    expect_refused("evaluate noise garbage.h5 --out d", "garbage.h5");
+    expect_refused("evaluate noise patch.toml --out d --share 0", "--share");
+    expect_refused("evaluate noise patch.toml --out d --share 1.1", "--share");
+    expect_refused("evaluate noise patch.toml --out file", "in the way");
+    expect_refused("evaluate stability --out d --solver guesswork", "guesswork");
+    expect_refused("evaluate stability --out d --filter nosuchcase", "nosuchcase");
+    expect_refused("evaluate stability --out file --quick", "in the way");
+}
+
+}  // namespace
+}  // namespace toile::app

@@ -1,0 +1,95 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "cloth/error.h"
+#include "evaluate/stability_picture.h"
+#include "evaluate/stability_report.h"
+#include "files/image_file.h"
+
+namespace toile::evaluate {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+StabilityOutcome outcome(const std::string& name, const std::string& solver, bool passes) {
+    StabilityOutcome one;
+    one.group = "friction";
+    one.name = name;
+    one.solver = solver;
+    one.status = passes ? "accepted" : "refused: \"it\" would not, ever";
+    one.rests = one.finite = passes;
+    one.falling = true;
+    one.certificate.seconds = 1.25;
+    return one;
+}
+
+std::vector<StabilityOutcome> outcomes() {
+    return {outcome("friction 0", "implicit", true), outcome("friction 2", "implicit", false),
+            outcome("friction 0", "xpbd", true)};
+}
+
+TEST(StabilityTable, ShowsEveryCaseAndSumsUpBySolver) {
+    const std::string text = stability_table(outcomes());
+    EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1 + 3 + 2);
+    EXPECT_THAT(text, HasSubstr("implicit: 1 of 2 cases passed; 1 at rest within the gate, 1 finite"));
+    EXPECT_THAT(text, HasSubstr("xpbd: 1 of 1 cases passed"));
+    EXPECT_THAT(text, HasSubstr("FAILED"));
+    EXPECT_THAT(text, HasSubstr("not measured"));
+}
+
+TEST(StabilityPicture, ACellForEachCaseAndSolver) {
+    const files::Picture picture = stability_picture(outcomes(), {"implicit", "xpbd"});
+    EXPECT_EQ(picture.value.size(), static_cast<size_t>(picture.width) * picture.height * 3);
+    const auto has = [&](uint8_t red, uint8_t green, uint8_t blue) {
+        for (size_t k = 0; k < picture.value.size(); k += 3)
+            if (picture.value[k] == red && picture.value[k + 1] == green && picture.value[k + 2] == blue) return true;
+        return false;
+    };
+    EXPECT_TRUE(has(140, 204, 158)) << "passed";
+    EXPECT_TRUE(has(204, 77, 64)) << "refused";
+}
+
+class StabilityFiles : public ::testing::Test {
+  protected:
+    void SetUp() override { folder_ = fs::temp_directory_path() / ("toile_stability_" + std::to_string(getpid())); }
+    void TearDown() override { fs::remove_all(folder_); }
+    static std::string text_of(const std::string& path) {
+        std::ostringstream text;
+        text << std::ifstream(path).rdbuf();
+        return text.str();
+    }
+    fs::path folder_;
+};
+
+TEST_F(StabilityFiles, LeavesTableFiguresAndPicture) {
+    StabilityOptions options;
+    options.filter = "friction 2, on a table";
+    const StabilitySummary summary = evaluate_stability(options, folder_.string());
+    ASSERT_EQ(summary.path.size(), 3u);
+    EXPECT_EQ(summary.outcome.size(), 1u);
+    const std::string csv = text_of(summary.path[0]);
+    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 2);
+    const std::string header = csv.substr(0, csv.find('\n'));
+    const auto json = nlohmann::json::parse(text_of(summary.path[1]));
+    EXPECT_EQ(json.at("cases").size(), 1u);
+    EXPECT_EQ(json.at("cases").at(0).at("case"), "friction 2, on a table");
+    EXPECT_EQ(static_cast<size_t>(std::count(header.begin(), header.end(), ',')) + 1, json.at("cases").at(0).size());
+    EXPECT_EQ(json.at("cases").at(0).at("passed"), summary.passed());
+    EXPECT_GT(files::read_png(summary.path[2]).width, 100);
+}
+
+TEST_F(StabilityFiles, RefusesAPlaceThatIsAFile) {
+    std::ofstream(folder_) << "in the way";
+    EXPECT_THROW(evaluate_stability({}, folder_.string()), Error);
+}
+
+}  // namespace
+}  // namespace toile::evaluate
