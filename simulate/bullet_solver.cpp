@@ -22,6 +22,9 @@ namespace {
 constexpr double surface_mass = 1e6;
 /// Speed at which a vertex below the surface is taken back to it [m/s].
 constexpr double recovery_speed = 0.5;
+/// A vertex so little above the thickness, over the thickness, is held from coming nearer: otherwise links would pull
+/// in what gravity lifts off, in turns.
+constexpr double hold = 0.01;
 /// Margin of the soft body's own trees [m]: wide, so that they need no work while nobody asks them.
 constexpr double tree_margin = 1.0;
 
@@ -40,6 +43,8 @@ struct Touch {
     Eigen::Vector3d surface_velocity = Eigen::Vector3d::Zero();  // relative to the carried frame
     bool touched = false;                                        // in the last substep, with these [N s]
     double normal_impulse = 0.0, tangential_impulse = 0.0;
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    double ease = 1.0;  // of the recovery speed
     double grip = 0.0;  // share of the slip that friction took in the last substep
 };
 
@@ -75,7 +80,7 @@ class SolidContactSolver final : public btDefaultSoftBodySolver {
     void rest_surfaces();
 
   private:
-    void add_contact(btSoftBody& cloth, btSoftBody::Node& node, const Contact& contact, Touch& touch,
+    bool add_contact(btSoftBody& cloth, btSoftBody::Node& node, const Contact& contact, Touch& touch,
                      const Obstacle::Contact& found);
     btRigidBody& surface_body(size_t index);
     static double grip_of(const Touch& touch, double friction, double new_normal, double new_slip);
@@ -103,6 +108,7 @@ void SolidContactSolver::take_surface_velocities(const Positions& carried, doubl
             Touch& touch = touch_[k][v];
             const Eigen::Vector3d moved = contacts_[k]->obstacle().to_world(touch.local, contacts_[k]->piece(v));
             touch.surface_velocity = (moved - carried.row(v).transpose()) / h;
+            touch.ease = 1.0;
         }
 }
 
@@ -132,37 +138,45 @@ void SolidContactSolver::processCollision(btSoftBody* cloth, const btCollisionOb
         // A distance changes by no more than its point moves: most vertices need not be looked up.
         if (touch.clear > 0.0 && (x - touch.looked_up).squaredNorm() < touch.clear * touch.clear) {
             touch.touched = false;
+            touch.ease = 1.0;
             continue;
         }
         const Obstacle::Contact found = contact.obstacle().sample(x, contact.piece(v));
-        touch.clear = found.distance - contact.options().thickness;
+        touch.clear = found.distance - (1.0 + hold) * contact.options().thickness;
         touch.looked_up = x;
-        if (touch.clear < 0.0 && found.gradient.squaredNorm() > 0.0)
-            add_contact(*cloth, node, contact, touch, found);
-        else
+        if (!(touch.clear < 0.0 && found.gradient.squaredNorm() > 0.0 &&
+              add_contact(*cloth, node, contact, touch, found)))
             touch.touched = false;
+        if (!touch.touched) touch.ease = 1.0;
     }
 }
 
 /// Coulomb's law lagged by a substep: the share of the slip that friction may take, so that what it takes is at most
 /// its coefficient times the normal impulse. A new contact, of which nothing is known yet, goes by its prediction.
 double SolidContactSolver::grip_of(const Touch& touch, double friction, double new_normal, double new_slip) {
-    const bool known = touch.touched && touch.grip > 0.0;
-    const double most = friction * (touch.touched ? touch.normal_impulse : new_normal);
+    const bool pressed = touch.touched && touch.normal_impulse > 0.0, known = pressed && touch.grip > 0.0;
+    const double most = friction * (pressed ? touch.normal_impulse : new_normal);
     const double wanted = known ? touch.tangential_impulse / touch.grip : new_slip;
     return wanted > most ? most / wanted : friction > 0.0 ? 1.0 : 0.0;
 }
 
-/// Bullet moves a node in contact by −½ n (Δ·n + dp) − grip (Δ − n (Δ·n)), where Δ is its way in this substep relative
-/// to the surface, dp = n·x + offset, and the ½ is in the impulse matrix. The offset is such that the normal part takes
-/// the node to the thickness exactly; or, from further below, as far as the recovery speed goes.
-void SolidContactSolver::add_contact(btSoftBody& cloth, btSoftBody::Node& node, const Contact& contact, Touch& touch,
+/// Bullet moves a node in contact, unless it leaves, by −½ n (Δ·n + dp) − grip (Δ − n (Δ·n)), where Δ is its way in
+/// this substep relative to the surface, dp = n·x + offset, and the ½ is in the impulse matrix. The offset is such that
+/// the normal part takes the node to the thickness exactly; or, from further below, as far as the recovery speed goes.
+///
+/// A vertex squeezed between two surfaces finds its normal turned round each time one has pushed it to the other: the
+/// pushes are halved each time until it rests between them.
+bool SolidContactSolver::add_contact(btSoftBody& cloth, btSoftBody::Node& node, const Contact& contact, Touch& touch,
                                      const Obstacle::Contact& found) {
-    const double dt = cloth.m_sst.sdt, mass = 1.0 / node.m_im;
+    const double dt = cloth.m_sst.sdt, mass = 1.0 / node.m_im, thickness = contact.options().thickness;
     const Eigen::Vector3d n = found.gradient.normalized(), x = to_eigen(node.m_x), q = to_eigen(node.m_q);
-    const double depth = contact.options().thickness - found.distance;
+    const double depth = thickness - found.distance;
     const double start = n.dot(q - x) - depth;  // signed distance to the thickness where the substep began
-    const double target = std::min(0.0, start + recovery_speed * dt);
+    if (depth < 0.0 && start > hold * thickness) return false;
+    if (touch.touched && n.dot(touch.normal) < 0.0) touch.ease *= 0.5;
+    touch.normal = n;
+    const double recovered = std::min(0.0, start + touch.ease * recovery_speed * dt);
+    const double target = start > hold * thickness ? 0.0 : start > 0.0 ? start : recovered;
 
     const Eigen::Vector3d along = touch.surface_velocity - n * n.dot(touch.surface_velocity);
     const Eigen::Vector3d way = x - q - dt * along;
@@ -173,7 +187,9 @@ void SolidContactSolver::add_contact(btSoftBody& cloth, btSoftBody::Node& node, 
 
     btRigidBody& surface = surface_body(source_.size());
     surface.setLinearVelocity(to_bullet(along));
-    auto c = btSoftBody::RContact();
+    btSoftBody::RContact c;
+    c.t1.setZero();  // of multibodies: copied along
+    c.t2.setZero();
     c.m_cti.m_colObj = &surface;
     c.m_cti.m_normal = to_bullet(n);
     c.m_cti.m_offset = n.dot(q) - 2.0 * (n.dot(x) + depth + target);
@@ -187,6 +203,7 @@ void SolidContactSolver::add_contact(btSoftBody& cloth, btSoftBody::Node& node, 
     c.m_c4 = 1.0;
     cloth.m_rcontacts.push_back(c);
     source_.push_back({&touch, n, start < 0.0});
+    return true;
 }
 
 void SolidContactSolver::solveConstraints(btScalar dt) {
@@ -215,9 +232,11 @@ class BulletSolver final : public Solver {
     const Positions& position() const override { return x_; }
     double residual_force() override;
     double largest_speed() override;
+    Eigen::VectorXd speeds() override;
+    double energy() const override;
 
   private:
-    void add_links(const std::vector<Spring>& springs);
+    void add_links();
     void place(const Positions& x);
     void run(int substeps, double damping);
     void substep();
@@ -230,6 +249,7 @@ class BulletSolver final : public Solver {
     DrapeReport& report_;
     int substeps_;  // in one path step
     double dt_;
+    std::vector<Spring> springs_;
     btSoftBodyWorldInfo world_;
     SolidContactSolver solver_;
     std::vector<btCollisionObject> solid_;
@@ -247,13 +267,19 @@ BulletSolver::BulletSolver(const DrapeModel& model, const std::vector<Contact*>&
       dt_(model.scene.solver.time_step / substeps_),
       solver_(contacts, model.scene.mesh.vertex_count()),
       solid_(contacts.size()) {
+    const DrapeScene& scene = model.scene;
+    springs_ = membrane_springs(scene.mesh, model.topology, model.rest_length, scene.membrane);
+    if (scene.bending) {
+        const std::vector<Spring> bending = bending_springs(scene.mesh, model.topology, *scene.bending);
+        springs_.insert(springs_.end(), bending.begin(), bending.end());
+    }
     world_.m_gravity = to_bullet(model.scene.solver.gravity);
     for (size_t k = 0; k < solid_.size(); ++k) solid_[k].setUserIndex(static_cast<int>(k));
 }
 
-void BulletSolver::add_links(const std::vector<Spring>& springs) {
+void BulletSolver::add_links() {
     const double h2 = dt_ * dt_;
-    for (const Spring& spring : springs) {
+    for (const Spring& spring : springs_) {
         soft_->appendLink(spring.first, spring.second);
         btSoftBody::Link& link = soft_->m_links[soft_->m_links.size() - 1];
         const double w = inverse_mass(spring.first) + inverse_mass(spring.second);
@@ -282,8 +308,7 @@ void BulletSolver::start(const Positions& x) {
     soft_->m_cfg.m_psequence.clear();
     soft_->m_cfg.m_psequence.push_back(btSoftBody::ePSolver::Linear);
     soft_->m_cfg.m_psequence.push_back(btSoftBody::ePSolver::RContacts);
-    add_links(membrane_springs(scene.mesh, model_.topology, model_.rest_length, scene.membrane));
-    if (scene.bending) add_links(bending_springs(scene.mesh, model_.topology, *scene.bending));
+    add_links();
     soft_->m_bUpdateRtCst = false;  // or Bullet would take rest lengths from the positions
 
     btAlignedObjectArray<btSoftBody*> bodies;
@@ -368,10 +393,28 @@ double BulletSolver::residual_force() {
     return std::sqrt(squared);
 }
 
+Eigen::VectorXd BulletSolver::speeds() {
+    Eigen::VectorXd speeds(x_.rows());
+    for (int v = 0; v < x_.rows(); ++v) speeds[v] = to_eigen(soft_->m_nodes[v].m_v).norm();
+    return speeds;
+}
+
 double BulletSolver::largest_speed() {
-    double squared = 0.0;
-    for (int v = 0; v < x_.rows(); ++v) squared = std::max(squared, to_eigen(soft_->m_nodes[v].m_v).squaredNorm());
-    return std::sqrt(squared);
+    return speeds().maxCoeff();
+}
+
+double BulletSolver::energy() const {
+    double energy = 0.0;
+    for (const Spring& spring : springs_) {
+        const double stretch = (x_.row(spring.first) - x_.row(spring.second)).norm() - spring.rest_length;
+        energy += 0.5 * spring.stiffness * stretch * stretch;
+    }
+    for (int v = 0; v < x_.rows(); ++v) {
+        const double mass = model_.scene.mesh.mass[v];
+        energy +=
+            0.5 * mass * to_eigen(soft_->m_nodes[v].m_v).squaredNorm() - mass * x_.row(v) * model_.scene.solver.gravity;
+    }
+    return energy;
 }
 
 }  // namespace

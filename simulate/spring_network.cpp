@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "cloth/bending.h"
+#include "cloth/fold.h"
 #include "cloth/membrane.h"
 
 namespace toile::simulate {
@@ -16,13 +18,13 @@ constexpr double reference_fold = 1.0;
 /// spring would let its triangle collapse.
 constexpr double least_share = 0.1;
 
-using Form = Eigen::Matrix<double, 6, 1>;  // uu, vv, ss, √2 uv, √2 us, √2 vs: its norm is the matrix' Frobenius norm
+using Form = Eigen::Vector4d;  // uu, vv, ss, √2 uv: weighted as in the matrix' Frobenius norm
 
 Form membrane_form(const MembraneOptions& options) {
     const MembraneStiffness c = MembraneStiffness::from_moduli(options.weft_stiffness, options.warp_stiffness,
                                                                options.shear_stiffness, options.poisson_ratio);
     Form form;
-    form << c.uu, c.vv, c.shear, std::sqrt(2.0) * c.uv, 0.0, 0.0;
+    form << c.uu, c.vv, c.shear, std::sqrt(2.0) * c.uv;
     return form;
 }
 
@@ -31,12 +33,12 @@ Form spring_form(const Eigen::Vector2d& edge, double area) {
     const Eigen::Vector2d t = edge.normalized();
     const double uu = t.x() * t.x(), vv = t.y() * t.y(), uv = t.x() * t.y();
     Form form;
-    form << uu * uu, vv * vv, uv * uv, std::sqrt(2.0) * uu * vv, std::sqrt(2.0) * uu * uv, std::sqrt(2.0) * vv * uv;
+    form << uu * uu, vv * vv, uv * uv, std::sqrt(2.0) * uu * vv;
     return edge.squaredNorm() / area * form;
 }
 
 /// min |M k − target| over k ≥ 0: of the sets of springs that are not zero, the one that fits best.
-Eigen::Vector3d nonnegative_fit(const Eigen::Matrix<double, 6, 3>& m, const Form& target) {
+Eigen::Vector3d nonnegative_fit(const Eigen::Matrix<double, 4, 3>& m, const Form& target) {
     Eigen::Vector3d best = Eigen::Vector3d::Zero();
     double least = std::numeric_limits<double>::infinity();
     for (int set = 1; set < 8; ++set) {
@@ -60,16 +62,30 @@ Eigen::Vector3d nonnegative_fit(const Eigen::Matrix<double, 6, 3>& m, const Form
     return best;
 }
 
-/// A triangle's apex over its edge in the flat pattern: along the edge from its middle, and the height.
-Eigen::Vector2d apex_over(const ClothMesh& mesh, int triangle, int a, int b) {
+/// A triangle over one of its edges in the flat pattern.
+struct Apex {
+    double along, height;  ///< of the third vertex, from the edge's middle [m]
+    double edge;           ///< [m]
+};
+
+Apex apex_over(const ClothMesh& mesh, int triangle, int a, int b) {
     Eigen::Vector2d at_a = Eigen::Vector2d::Zero(), at_b = at_a, apex = at_a;
     for (int corner = 0; corner < 3; ++corner) {
         const Eigen::Vector2d p = mesh.pattern_position.row(mesh.pattern_triangle(triangle, corner)).transpose();
         const int v = mesh.triangle(triangle, corner);
         (v == a ? at_a : v == b ? at_b : apex) = p;
     }
-    const Eigen::Vector2d along = (at_b - at_a).normalized(), from_middle = apex - 0.5 * (at_a + at_b);
-    return {from_middle.dot(along), std::abs(along.x() * from_middle.y() - along.y() * from_middle.x())};
+    const Eigen::Vector2d edge = at_b - at_a, from_middle = apex - 0.5 * (at_a + at_b);
+    const double length = edge.norm();
+    return {from_middle.dot(edge) / length, std::abs(edge.x() * from_middle.y() - edge.y() * from_middle.x()) / length,
+            length};
+}
+
+/// The angle a hinge starts from; a spring does not know which way it folds.
+double start_fold(const Positions& x, const Eigen::Vector4i& hinge) {
+    HingePositions columns;
+    for (int i = 0; i < 4; ++i) columns.col(i) = x.row(hinge[i]).transpose();
+    return std::abs(fold_angle(columns));
 }
 
 }  // namespace
@@ -86,7 +102,7 @@ std::vector<Spring> membrane_springs(const ClothMesh& mesh, const Topology& topo
     for (int f = 0; f < mesh.triangle_count(); ++f) {
         const auto p = mesh.pattern_triangle.row(f);
         const double area = membrane_stencil(mesh, f).area;
-        Eigen::Matrix<double, 6, 3> forms;
+        Eigen::Matrix<double, 4, 3> forms;
         Eigen::Vector3d least;
         for (int corner = 0; corner < 3; ++corner) {
             const Eigen::Vector2d edge =
@@ -110,16 +126,21 @@ std::vector<Spring> bending_springs(const ClothMesh& mesh, const Topology& topol
         const int first = topology.edge_triangle(e, 0), second = topology.edge_triangle(e, 1);
         if (second < 0) continue;
         const Eigen::Vector4i hinge = hinges.row(h++).transpose();
-        const Eigen::Vector2d c = apex_over(mesh, first, hinge[0], hinge[1]);
-        const Eigen::Vector2d d = apex_over(mesh, second, hinge[0], hinge[1]);
-        const double flat = std::hypot(c.x() - d.x(), c.y() + d.y());
-        const double folded =
-            std::sqrt(std::max(0.0, flat * flat - 2.0 * c.y() * d.y() * (1.0 - std::cos(reference_fold))));
-        // Both triangles share the edge's pattern length but for the seams, where either has its own.
-        const double area = membrane_stencil(mesh, first).area + membrane_stencil(mesh, second).area;
-        const double edge = 2.0 * area / (c.y() + d.y()), curvature = 2.0 * edge * std::sin(0.5 * reference_fold);
-        const double energy_twice = options.stiffness / area * curvature * curvature;
-        springs.push_back({hinge[2], hinge[3], flat, energy_twice / ((flat - folded) * (flat - folded))});
+        const Apex c = apex_over(mesh, first, hinge[0], hinge[1]);
+        const Apex d = apex_over(mesh, second, hinge[0], hinge[1]);
+        auto length_at = [&](double fold) {
+            const double along = c.along - d.along, open = c.height + d.height;
+            return std::sqrt(
+                std::max(0.0, along * along + open * open - 2.0 * c.height * d.height * (1.0 - std::cos(fold))));
+        };
+        const double rest_fold = options.rest == BendingRest::start ? start_fold(mesh.rest_position, hinge) : 0.0;
+        const double rest_length = length_at(rest_fold);
+        const double shortening = rest_length - length_at(rest_fold + reference_fold);
+        const BendingStencil stencil = bending_stencil(mesh, hinge, first, second);
+        // On a seam either panel has its own length of the shared edge.
+        const double curvature = (c.edge + d.edge) * std::sin(0.5 * reference_fold);
+        springs.push_back({hinge[2], hinge[3], rest_length,
+                           options.stiffness * stencil.scale * curvature * curvature / (shortening * shortening)});
     }
     return springs;
 }

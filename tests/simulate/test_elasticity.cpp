@@ -25,17 +25,55 @@ Eigen::MatrixXd dense(const BlockValues& matrix) {
     return full;
 }
 
+/// Every kind of stencil at least once: what a scene may ask for.
+std::vector<Elasticity> kinds(const Fixture& f) {
+    const Eigen::Vector3d gravity(0.3, -9.81, 0.1);
+    MembraneOptions wrinkling;
+    wrinkling.compression = Compression::tension_field;
+    const BendingOptions flat{0.01}, start{0.01, BendingRest::start};
+    std::vector<Elasticity> kind;
+    kind.emplace_back(f.mesh, f.topology, MembraneOptions{}, std::nullopt, gravity);
+    kind.emplace_back(f.mesh, f.topology, MembraneOptions{}, flat, gravity);
+    kind.emplace_back(f.mesh, f.topology, MembraneOptions{}, start, gravity);
+    kind.emplace_back(f.mesh, f.topology, MembraneOptions{}, flat, gravity, StrainLimitOptions{1.02, 1.01});
+    kind.emplace_back(f.mesh, f.topology, wrinkling, flat, gravity);
+    return kind;
+}
+
 TEST(Elasticity, GradientIsTheEnergysDerivative) {
-    const Fixture f;
-    for (const bool bends : {false, true}) {
-        const auto bending = bends ? std::optional(BendingOptions{0.01}) : std::nullopt;
-        const Elasticity elasticity(f.mesh, f.topology, {}, bending, {0.3, -9.81, 0.1});
+    Fixture f;
+    f.mesh.rest_position = test::crumpled(f.mesh.rest_position, 0.004);
+    for (const Elasticity& elasticity : kinds(f)) {
         Positions gradient = Positions::Zero(f.x.rows(), 3);
         elasticity.add_gradient(f.x, gradient);
         const auto energy = [&](const Eigen::VectorXd& at) { return elasticity.energy(test::rows(at)); };
         const auto check = test::check_gradient(energy, test::flat(gradient), test::flat(f.x), 0.02, 1e-6);
         EXPECT_TRUE(check.passed) << check.message;
     }
+}
+
+TEST(Elasticity, HessianIsSemidefiniteWhateverTheSceneAsksFor) {
+    Fixture f;
+    f.mesh.rest_position = test::crumpled(f.mesh.rest_position, 0.004);
+    for (Elasticity& elasticity : kinds(f)) {
+        const auto symbolic = std::make_shared<const BlockSymbolic>(f.mesh.vertex_count(), elasticity.pairs());
+        elasticity.bind(*symbolic);
+        for (const double size : {1.3, 0.5}) {
+            BlockValues hessian(symbolic);
+            elasticity.add_hessian(size * f.x, hessian);
+            const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense(hessian)).eigenvalues();
+            EXPECT_GT(values.minCoeff(), -1e-9 * values.maxCoeff());
+            EXPECT_GT(values.maxCoeff(), 0.0);
+        }
+    }
+}
+
+TEST(Elasticity, AStrainLimitStiffensOnlyBeyondIt) {
+    const Fixture f;
+    const Elasticity with(f.mesh, f.topology, {}, {}, {0, 0, 0}, StrainLimitOptions{1.1, 1.1}),
+        without(f.mesh, f.topology, {}, {}, {0, 0, 0});
+    EXPECT_EQ(with.energy(1.09 * f.mesh.rest_position), without.energy(1.09 * f.mesh.rest_position));
+    EXPECT_GT(with.energy(1.12 * f.mesh.rest_position), 1.05 * without.energy(1.12 * f.mesh.rest_position));
 }
 
 TEST(Elasticity, HessianIsTheGradientsDerivativeInTension) {
