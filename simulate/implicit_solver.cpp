@@ -10,6 +10,8 @@ namespace {
 
 /// Range of the pseudo time step while the cloth settles [s]; the upper end is statics.
 constexpr double shortest_time_step = 1e-3, longest_time_step = 1e3;
+/// In wind the upper end: its force follows the cloth one step behind, and longer steps swing about the rest [s].
+constexpr double longest_windy_time_step = 0.02;
 
 }  // namespace
 
@@ -79,7 +81,8 @@ void ImplicitSolver::settle() {
     const ImplicitStep::Target target{&before_, &before_, time_step_};
     const ImplicitStep::Iteration done = step_.iterate(target, x_, report_);
     end_step();
-    if (done.halvings == 0) time_step_ = std::min(2.0 * time_step_, longest_time_step);
+    if (done.halvings == 0)
+        time_step_ = std::min(2.0 * time_step_, wind_ ? longest_windy_time_step : longest_time_step);
     if (done.halvings > 1) time_step_ = std::max(0.5 * time_step_, shortest_time_step);
 }
 

@@ -53,6 +53,20 @@ Eigen::Matrix3d strain_mobility(const Deformation& f, const Eigen::Matrix2d& g) 
     return mobility;
 }
 
+template <class Hinge>
+Eigen::RowVector3d curvature_of(const Hinge& hinge, const Positions& x) {
+    Eigen::RowVector3d curvature = Eigen::RowVector3d::Zero();
+    for (int i = 0; i < 4; ++i) curvature += hinge.weight[i] * x.row(hinge.vertex[i]);
+    return curvature;
+}
+
+/// The part of v along a direction; all of it where there is none. A hinge's force has no torque where it is along the
+/// curvature.
+Eigen::RowVector3d along(const Eigen::RowVector3d& direction, const Eigen::RowVector3d& v) {
+    const double squared = direction.squaredNorm();
+    return squared > 0.0 ? Eigen::RowVector3d(v.dot(direction) / squared * direction) : v;
+}
+
 /// Of the symmetric matrix (uu, vv, uv).
 double spectral_norm(const Eigen::RowVector3d& s) {
     return std::abs(0.5 * (s[0] + s[1])) + std::hypot(0.5 * (s[0] - s[1]), s[2]);
@@ -147,14 +161,14 @@ void XpbdConstraints::sweep_triangle(const XpbdMobility& mobility, const Triangl
         const Eigen::Matrix3d system = Eigen::Matrix3d::Identity() + q * tangent * strain_mobility(f, weighted);
         return (system.inverse() * lacking).transpose();
     };
-    const Deformation* along = &begun;
+    const Deformation* direction = &begun;
     Eigen::RowVector3d change = change_along(begun);
     if (lag(mobility, triangle, force + change) > largest_lag) {
-        along = &now;
+        direction = &now;
         change = change_along(now);
     }
     force += change;
-    const Deformation flux = flux_of(*along, change);
+    const Deformation flux = flux_of(*direction, change);
     for (int i = 0; i < 3; ++i)
         x.row(triangle.vertex[i]) -=
             q * mobility.inverse_mass[triangle.vertex[i]] * (flux * gradient.row(i).transpose()).transpose();
@@ -182,24 +196,24 @@ void XpbdConstraints::add_stiffness(const XpbdForces& forces, Eigen::VectorXd& s
     }
 }
 
-void XpbdConstraints::bound_forces(const XpbdMobility& mobility, XpbdForces& forces) const {
+void XpbdConstraints::turn_forces(const XpbdMobility& mobility, const Positions& start, XpbdForces& forces) const {
     for (size_t k = 0; k < triangle_.size(); ++k) {
         const double lagging = lag(mobility, triangle_[k], forces.membrane.row(k));
         if (lagging > largest_lag) forces.membrane.row(k) *= largest_lag / lagging;
     }
+    for (size_t k = 0; k < hinge_.size(); ++k)
+        forces.bending.row(k) = along(curvature_of(hinge_[k], start), forces.bending.row(k));
 }
 
-void XpbdConstraints::sweep_hinge(const XpbdMobility& mobility, const Hinge& hinge,
+void XpbdConstraints::sweep_hinge(const XpbdMobility& mobility, const Hinge& hinge, const Positions& start,
                                   Eigen::Ref<Eigen::RowVector3d> force, Positions& x) {
-    Eigen::RowVector3d curvature = Eigen::RowVector3d::Zero();
     double squared_weight = 0.0;
-    for (int i = 0; i < 4; ++i) {
-        curvature += hinge.weight[i] * x.row(hinge.vertex[i]);
+    for (int i = 0; i < 4; ++i)
         squared_weight += mobility.inverse_mass[hinge.vertex[i]] * hinge.weight[i] * hinge.weight[i];
-    }
     const double q = mobility.squared_time;
+    const Eigen::RowVector3d lacking = hinge.stiffness * curvature_of(hinge, x) - force;
     const Eigen::RowVector3d change =
-        (hinge.stiffness * curvature - force) / (1.0 + q * hinge.stiffness * squared_weight);
+        along(curvature_of(hinge, start), lacking) / (1.0 + q * hinge.stiffness * squared_weight);
     force += change;
     for (int i = 0; i < 4; ++i)
         x.row(hinge.vertex[i]) -= q * mobility.inverse_mass[hinge.vertex[i]] * hinge.weight[i] * change;
@@ -209,7 +223,7 @@ void XpbdConstraints::sweep(const XpbdMobility& mobility, const Positions& start
                             Positions& x) const {
     for (size_t k = 0; k < triangle_.size(); ++k)
         sweep_triangle(mobility, triangle_[k], start, forces.membrane.row(k), x);
-    for (size_t k = 0; k < hinge_.size(); ++k) sweep_hinge(mobility, hinge_[k], forces.bending.row(k), x);
+    for (size_t k = 0; k < hinge_.size(); ++k) sweep_hinge(mobility, hinge_[k], start, forces.bending.row(k), x);
 }
 
 }  // namespace toile::simulate

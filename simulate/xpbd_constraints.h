@@ -43,8 +43,9 @@ class XpbdConstraints {
     /// Adds a bound on the stiffness that each vertex meets `[V]` [N/m]: the row sums, without signs, of the energy's
     /// Hessian in the rest state and of what the forces resist to turning.
     void add_stiffness(const XpbdForces& forces, Eigen::VectorXd& stiffness) const;
-    /// Scales down forces that are too large to lag behind by a step, each triangle's for itself.
-    void bound_forces(const XpbdMobility& mobility, XpbdForces& forces) const;
+    /// Makes forces of an earlier step fit to start from: those that are too large to lag behind by a step are scaled
+    /// down, each triangle's for itself, and hinges' are turned along their curvature.
+    void turn_forces(const XpbdMobility& mobility, const Positions& start, XpbdForces& forces) const;
     /// Adds each block's −Jᵀ s to the forces on the vertices `[V x 3]` [N].
     void add_forces(const Positions& start, const XpbdForces& forces, Positions& total) const;
     /// Lets the forces that the next step starts from follow those that this step reached.
@@ -65,8 +66,8 @@ class XpbdConstraints {
     static double lag(const XpbdMobility& mobility, const Triangle& triangle, const Eigen::RowVector3d& force);
     void sweep_triangle(const XpbdMobility& mobility, const Triangle& triangle, const Positions& start,
                         Eigen::Ref<Eigen::RowVector3d> force, Positions& x) const;
-    static void sweep_hinge(const XpbdMobility& mobility, const Hinge& hinge, Eigen::Ref<Eigen::RowVector3d> force,
-                            Positions& x);
+    static void sweep_hinge(const XpbdMobility& mobility, const Hinge& hinge, const Positions& start,
+                            Eigen::Ref<Eigen::RowVector3d> force, Positions& x);
 
     MembraneStiffness stiffness_;
     std::vector<Triangle> triangle_;

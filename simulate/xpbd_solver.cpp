@@ -92,7 +92,7 @@ void XpbdSolver::settle() {
     ++report_.iterations;
     tie(false);
     for (int k = 0; k < model_.scene.solver.xpbd.substeps; ++k) {
-        add_mass();
+        if (settling_.keep_forces) add_mass();
         state_ = xpbd_step(system_, settling_, std::move(state_));
         double energy = 0.0;
         for (int v = 0; v < state_.velocity.rows(); ++v)

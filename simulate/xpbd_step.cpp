@@ -34,9 +34,8 @@ XpbdState xpbd_step(const XpbdSystem& system, const XpbdParameters& parameters, 
     const double h = parameters.time_step;
     const XpbdMobility mobility = parameters.mobility();
     if (!parameters.keep_forces) forget_forces(system, state);
-    system.constraints.bound_forces(mobility, state.forces);
-
     const Positions start = state.position;
+    system.constraints.turn_forces(mobility, start, state.forces);
     Positions force = system.weight;
     system.constraints.add_forces(start, state.forces, force);
     for (size_t k = 0; k < system.contacts.size(); ++k) {

@@ -1,0 +1,124 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "simulate/xpbd_solver.h"
+#include "tests/simulate/cloth_square.h"
+#include "tests/simulate/pillar_body.h"
+
+namespace toile::simulate {
+namespace {
+
+constexpr double edge_length = 0.05;
+
+/// Hung from two corners.
+DrapeScene hung_patch() {
+    DrapeScene scene;
+    scene.mesh = test::cloth_square(6, 0.3, 1.0);
+    scene.mesh.rest_position = test::crumpled(scene.mesh.rest_position, 0.0005);
+    scene.bending = BendingOptions{};
+    scene.pinned = {42, 48};
+    return scene;
+}
+
+/// Over the top of a sphere without friction, held by two vertices in its middle: without them it would slide off, and
+/// with one it could turn.
+DrapeScene patch_on_sphere() {
+    DrapeScene scene;
+    scene.mesh = test::cloth_square(6, 0.3, 0.503);
+    scene.mesh.rest_position = test::crumpled(scene.mesh.rest_position, 0.0001);
+    scene.bending = BendingOptions{};
+    scene.contact = ContactOptions{};
+    scene.contact->friction = 0.0;
+    scene.sphere = SphereOptions{{0, 0, 0}, 0.5};
+    scene.pinned = {24, 25};
+    return scene;
+}
+
+Positions drape_of(DrapeScene scene, const std::string& solver, double residual, int iterations) {
+    scene.ladder.tries = 0;
+    scene.solver.solver = solver;
+    scene.solver.residual_tolerance = residual;
+    scene.solver.speed_tolerance = 1e-5;
+    scene.solver.max_iterations = iterations;
+    return Draper(scene).drape_neutral().position;
+}
+
+double largest_distance(const Positions& a, const Positions& b) {
+    return std::sqrt((a - b).rowwise().squaredNorm().maxCoeff());
+}
+
+/// As published, without forces that are kept: every refinement must come nearer to the implicit drape.
+void expect_refinements_come_nearer(DrapeScene scene) {
+    const Positions implicit = drape_of(scene, "implicit", 1e-6, 2000);
+    scene.solver.xpbd.keep_forces = false;
+    double before = std::numeric_limits<double>::infinity();
+    for (const int substeps : {10, 20, 40, 80}) {
+        scene.solver.xpbd.substeps = substeps;
+        const double distance = largest_distance(drape_of(scene, "xpbd", 1e-6, 250), implicit);
+        EXPECT_LT(distance, before) << substeps << " substeps";
+        before = distance;
+    }
+    EXPECT_LT(before, 0.015 * edge_length);
+    scene.solver.xpbd.substeps = 20;
+    before = std::numeric_limits<double>::infinity();
+    for (const int iterations : {1, 2, 4, 8, 16}) {
+        scene.solver.xpbd.iterations = iterations;
+        const double distance = largest_distance(drape_of(scene, "xpbd", 1e-6, 250), implicit);
+        EXPECT_LT(distance, before) << iterations << " iterations";
+        before = distance;
+    }
+    EXPECT_LT(before, 0.002 * edge_length);
+}
+
+TEST(XpbdSolver, ComesNearerToImplicitWithEveryRefinementWhereAPatchHangs) {
+    expect_refinements_come_nearer(hung_patch());
+}
+
+TEST(XpbdSolver, ComesNearerToImplicitWithEveryRefinementOnASphere) {
+    expect_refinements_come_nearer(patch_on_sphere());
+}
+
+TEST(XpbdSolver, KeptForcesReachTheSameRest) {
+    for (const DrapeScene& scene : {hung_patch(), patch_on_sphere()}) {
+        const Positions implicit = drape_of(scene, "implicit", 1e-6, 2000);
+        for (const int substeps : {20, 40}) {
+            DrapeScene coarse = scene;
+            coarse.solver.xpbd.substeps = substeps;
+            EXPECT_LT(largest_distance(drape_of(coarse, "xpbd", 1e-5, 2000), implicit), 0.001 * edge_length)
+                << substeps;
+        }
+    }
+}
+
+TEST(XpbdSolver, RestsWithinTheGateOfImplicit) {
+    DrapeScene scene = hung_patch();
+    scene.solver.solver = "xpbd";
+    const DrapeResult result = Draper(scene).drape_neutral();
+    EXPECT_EQ(result.status, DrapeStatus::accepted) << status_reason(result.status);
+    EXPECT_LE(result.certificate.residual_force, scene.solver.residual_tolerance);
+    EXPECT_EQ(result.position.row(42), scene.mesh.rest_position.row(42));
+}
+
+TEST(XpbdSolver, FollowsABendingBodyTheSameWayTwice) {
+    DrapeScene scene;
+    scene.mesh = test::cloth_square(8, 0.3, 1.01);
+    scene.mesh.rest_position = test::crumpled(scene.mesh.rest_position, 0.0005);
+    scene.bending = BendingOptions{};
+    scene.contact = ContactOptions{};
+    scene.body = test::pillar_body();
+    scene.level_set.voxel = 0.008;
+    scene.ladder.tries = 0;
+    scene.solver.solver = "xpbd";
+    scene.solver.max_iterations = 100;
+    const Draper draper(scene);
+    const DrapeResult neutral = draper.drape_neutral();
+    const DrapeResult posed = draper.drape(neutral.position, test::bent(0.3));
+    EXPECT_LE(posed.certificate.body_penetration, 0.0005);
+    const double moved = posed.position.col(0).mean() - neutral.position.col(0).mean();
+    EXPECT_NEAR(moved, -0.5 * std::sin(0.3), 0.05) << "the pillar's top moves aside and the square with it";
+    EXPECT_EQ(draper.drape(neutral.position, test::bent(0.3)).position, posed.position);
+}
+
+}  // namespace
+}  // namespace toile::simulate
