@@ -104,9 +104,32 @@ TEST(Elasticity, HessianIsPositiveSemidefiniteInCompression) {
     EXPECT_GT(values.minCoeff(), -1e-9 * values.maxCoeff());
 }
 
+TEST(Elasticity, WeakBendingKeepsToTheMeshGraphAndBoundsTheTrueHessian) {
+    Fixture f;
+    f.x = 1.3 * test::crumpled(f.mesh.rest_position, 0.0005);
+    Elasticity elasticity(f.mesh, f.topology, {}, BendingOptions{1e-6}, {0, -9.81, 0});
+    BlockValues hessian(std::make_shared<const BlockSymbolic>(f.mesh.vertex_count(), elasticity.pairs()));
+    EXPECT_EQ(hessian.symbolic().slot_count(), f.mesh.vertex_count() + f.topology.edge.rows());
+    elasticity.bind(hessian.symbolic());
+    elasticity.add_hessian(f.x, hessian);
+    // The true one, by differences of the gradient, which is exact up to rounding for what is left out.
+    Eigen::MatrixXd true_hessian(3 * f.x.rows(), 3 * f.x.rows());
+    const Eigen::VectorXd at = test::flat(f.x);
+    for (Eigen::Index k = 0; k < at.size(); ++k) {
+        Positions ahead = Positions::Zero(f.x.rows(), 3), behind = ahead;
+        elasticity.add_gradient(test::rows(at + 1e-6 * Eigen::VectorXd::Unit(at.size(), k)), ahead);
+        elasticity.add_gradient(test::rows(at - 1e-6 * Eigen::VectorXd::Unit(at.size(), k)), behind);
+        true_hessian.col(k) = test::flat(ahead - behind) / 2e-6;
+    }
+    const Eigen::MatrixXd excess = dense(hessian) - 0.5 * (true_hessian + true_hessian.transpose());
+    const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(excess).eigenvalues();
+    EXPECT_GT(values.minCoeff(), -1e-6 * true_hessian.norm());
+    EXPECT_GT(values.maxCoeff(), 0.0) << "something is on the diagonal instead";
+}
+
 TEST(Elasticity, WithoutBendingThereAreNoHinges) {
     const Fixture f;
-    const Elasticity with(f.mesh, f.topology, {}, BendingOptions{}, {0, 0, 0}),
+    const Elasticity with(f.mesh, f.topology, {}, BendingOptions{0.01}, {0, 0, 0}),
         without(f.mesh, f.topology, {}, {}, {0, 0, 0});
     const BlockSymbolic wide(f.mesh.vertex_count(), with.pairs()), narrow(f.mesh.vertex_count(), without.pairs());
     EXPECT_LT(narrow.slot_count(), wide.slot_count());
