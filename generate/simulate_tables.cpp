@@ -106,8 +106,9 @@ void bind_level_set(ConfigTable& root, SceneConfig& config) {
 void bind_solver(ConfigTable& root, SceneConfig& config) {
     ConfigTable table = root.section("simulate", "the integrator, and what at rest means");
     simulate::SolverOptions& s = config.solver;
-    table.choice<std::string>("solver", s.solver, {{"implicit", "implicit"}, {"bullet", "bullet"}},
-                              "implicit: implicit Euler by Newton's method; bullet: Bullet's soft body");
+    table.choice<std::string>("solver", s.solver, {{"implicit", "implicit"}, {"xpbd", "xpbd"}, {"bullet", "bullet"}},
+                              "implicit: implicit Euler by Newton's method; xpbd: extended position-based dynamics; "
+                              "bullet: Bullet's soft body");
     table.real("time_step", s.time_step, {.lower = 0.0001, .upper = 0.2, .unit = "s", .doc = "while the cloth moves"});
     table.real("damping", s.damping,
                {.lower = 0, .upper = 1000, .unit = "1/s", .doc = "proportional to mass, relative to the moving body"});
@@ -120,6 +121,16 @@ void bind_solver(ConfigTable& root, SceneConfig& config) {
                   {.lower = 1, .upper = 1000000, .doc = "iterations to come to rest"});
     table.integer("stall_iterations", s.stall_iterations,
                   {.lower = 1, .upper = 1000000, .doc = "gives up when these lower the residual by less than a tenth"});
+}
+
+void bind_xpbd(ConfigTable& root, SceneConfig& config) {
+    ConfigTable table = root.section("xpbd", "extended position-based dynamics");
+    simulate::XpbdOptions& x = config.solver.xpbd;
+    table.integer("substeps", x.substeps, {.lower = 1, .upper = 10000, .doc = "small steps in one time step"});
+    table.integer("iterations", x.iterations,
+                  {.lower = 1, .upper = 1000, .doc = "sweeps over all constraints in a small step"});
+    table.boolean("keep_forces", x.keep_forces,
+                  "start from the last step's forces: rest is then exact whatever the step");
 }
 
 void bind_bullet(ConfigTable& root, SceneConfig& config) {
@@ -156,6 +167,7 @@ void bind_simulate(ConfigTable& root, SceneConfig& config) {
     bind_self_contact(root, config);
     if (config.body || root.has("level_set")) bind_level_set(root, config);
     bind_solver(root, config);
+    if (config.solver.solver == "xpbd" || root.has("xpbd")) bind_xpbd(root, config);
     if (config.solver.solver == "bullet" || root.has("bullet")) bind_bullet(root, config);
     if (config.body || root.has("path")) bind_path(root, config);
     bind_gate(root, config);

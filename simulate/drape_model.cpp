@@ -25,8 +25,9 @@ const DrapeScene& checked(const DrapeScene& scene) {
         if (scene.strain_limit) throw Error("a strain limit" + only);
         if (scene.wind) throw Error("wind" + only);
         if (scene.bending && scene.bending->rest == BendingRest::start) throw Error("bending about the start" + only);
-        if (scene.membrane.compression == Compression::tension_field) throw Error("a tension field" + only);
     }
+    if (scene.solver.solver == "bullet" && scene.membrane.compression == Compression::tension_field)
+        throw Error("a tension field is unknown to the solver \"bullet\"");
     for (int v : scene.pinned)
         if (v < 0 || v >= scene.mesh.vertex_count())
             throw Error("pinned vertex " + std::to_string(v) + " does not exist");

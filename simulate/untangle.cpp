@@ -162,7 +162,7 @@ void Untangler::open_gaps(UntangleReport& report) {
         const Positions before = x_;
         gap.open(moved, options_.separation * (1.0 + 1e-6), share, x_);
         ++report.iterations;
-        const bool crosses = !find_crossings(triangle_, topology_, x_).empty();
+        const bool crosses = !x_.allFinite() || !find_crossings(triangle_, topology_, x_).empty();
         const double opened = crosses ? 0.0 : gap.smallest(moved, options_.separation, x_);
         if (opened > report.gap) {
             report.gap = opened;
@@ -187,6 +187,7 @@ UntangleReport Untangler::run() {
         fair();
         for (int sweep = 0; sweep < 4; ++sweep) hold_lengths();
         ++report.iterations;
+        if (!x_.allFinite()) break;  // lengths beyond what squares can hold
         crossing = find_crossings(triangle_, topology_, x_);
         if (static_cast<int>(crossing.size()) < report.crossings_after) {
             report.crossings_after = static_cast<int>(crossing.size());
@@ -195,8 +196,8 @@ UntangleReport Untangler::run() {
         }
     }
     x_ = best;
-    report.status = crossing.empty() ? UntangleStatus::untangled : UntangleStatus::tangled;
-    if (crossing.empty()) open_gaps(report);
+    report.status = report.crossings_after == 0 ? UntangleStatus::untangled : UntangleStatus::tangled;
+    if (report.crossings_after == 0) open_gaps(report);
     report.largest_move = (x_ - start_).rowwise().norm().maxCoeff();
     return report;
 }

@@ -4,12 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cloth/squeeze.h"
+#include "cloth/tension_field.h"
+
 namespace toile::simulate {
 namespace {
 
 /// A side of a triangle that is squeezed below this share of its length counts as that long where a step is sized: its
 /// strain's gradient vanishes, and Newton's step would throw its ends apart.
 constexpr double shortest_stretch = 0.5;
+/// β of cloth/squeeze.h over the larger of the two axes' stiffnesses, as in cloth/membrane.cpp.
+constexpr double squeeze_ratio = 2.0;
 /// A kept force whose direction lags behind by a step is stable up to q/m times its geometric stiffness of 4; this is
 /// for one triangle of those around a vertex.
 constexpr double largest_lag = 2.0;
@@ -20,8 +25,6 @@ constexpr double largest_kept_stiffness = 4.0;
 double kept_share(double stiffness) {
     return stiffness > largest_kept_stiffness ? largest_kept_stiffness / stiffness : 1.0;
 }
-
-using Deformation = Eigen::Matrix<double, 3, 2>;
 
 template <class Block>
 Deformation deformation_of(const Block& block, const Positions& x) {
@@ -80,18 +83,47 @@ Eigen::Matrix2d weighted_gradients(const XpbdMobility& mobility, const int (&ver
     return weighted;
 }
 
-Eigen::Matrix3d stiffness_matrix(const MembraneStiffness& c) {
-    Eigen::Matrix3d matrix;
-    matrix << c.uu, c.uv, 0, c.uv, c.vv, 0, 0, 0, c.shear;
-    return matrix;
+/// Stress and its derivative in the strain (uu, vv, 2uv), per unit of pattern area.
+struct Response {
+    Eigen::Vector3d stress;
+    Eigen::Matrix3d tangent;
+};
+
+Response respond(const MembraneStiffness& c, const Deformation& f) {
+    const Eigen::Vector3d strain(0.5 * (f.col(0).squaredNorm() - 1.0), 0.5 * (f.col(1).squaredNorm() - 1.0),
+                                 f.col(0).dot(f.col(1)));
+    if (c.compression == Compression::tension_field) {
+        const TensionField field = tension_field(c, strain);
+        return {field.stress, field.tangent};
+    }
+    Response r;
+    r.tangent << c.uu, c.uv, 0, c.uv, c.vv, 0, 0, 0, c.shear;
+    r.stress = r.tangent * strain;
+    return r;
 }
+
+/// C = √(2ψ) of cloth/squeeze.h and ∂C/∂F; both zero where nothing is squeezed.
+struct SqueezeConstraint {
+    double value = 0.0;
+    Deformation gradient = Deformation::Zero();
+
+    SqueezeConstraint(const MembraneStiffness& c, const Deformation& f) {
+        if (c.compression != Compression::full || !Squeeze::acts(f)) return;
+        const Squeeze squeeze(f, squeeze_ratio * std::max(c.uu, c.vv));
+        if (!(squeeze.energy() > 0.0)) return;
+        value = std::sqrt(2.0 * squeeze.energy());
+        gradient = squeeze.stress() / value;
+    }
+    bool acts() const { return value > 0.0; }
+};
 
 }  // namespace
 
 XpbdConstraints::XpbdConstraints(const ClothMesh& mesh, const Topology& topology, const MembraneOptions& membrane,
                                  const std::optional<BendingOptions>& bending)
     : stiffness_(MembraneStiffness::from_moduli(membrane.weft_stiffness, membrane.warp_stiffness,
-                                                membrane.shear_stiffness, membrane.poisson_ratio)) {
+                                                membrane.shear_stiffness, membrane.poisson_ratio,
+                                                membrane.compression)) {
     for (int f = 0; f < mesh.triangle_count(); ++f) {
         const auto t = mesh.triangle.row(f);
         triangle_.push_back({{t[0], t[1], t[2]}, membrane_stencil(mesh, f)});
@@ -115,13 +147,16 @@ XpbdConstraints::XpbdConstraints(const ClothMesh& mesh, const Topology& topology
 
 XpbdForces XpbdConstraints::no_forces() const {
     return {Positions::Zero(static_cast<int>(triangle_.size()), 3),
+            Eigen::VectorXd::Zero(static_cast<int>(triangle_.size())),
             Positions::Zero(static_cast<int>(hinge_.size()), 3)};
 }
 
 void XpbdConstraints::add_forces(const Positions& start, const XpbdForces& forces, Positions& total) const {
     for (size_t k = 0; k < triangle_.size(); ++k) {
         const Triangle& triangle = triangle_[k];
-        const Deformation flux = flux_of(deformation_of(triangle, start), forces.membrane.row(k));
+        const Deformation f = deformation_of(triangle, start);
+        Deformation flux = flux_of(f, forces.membrane.row(k));
+        if (forces.squeeze[k] != 0.0) flux += forces.squeeze[k] * SqueezeConstraint(stiffness_, f).gradient;
         for (int i = 0; i < 3; ++i)
             total.row(triangle.vertex[i]) -= (flux * triangle.stencil.corner_gradient.row(i).transpose()).transpose();
     }
@@ -137,6 +172,7 @@ void XpbdConstraints::follow_forces(const XpbdMobility& mobility, const XpbdForc
         const MembraneStiffness& c = stiffness_;
         const double stiff = q * triangle.stencil.area * (c.uu * g(0, 0) + c.vv * g(1, 1) + c.shear * g.trace());
         kept.membrane.row(k) += kept_share(stiff) * (reached.membrane.row(k) - kept.membrane.row(k));
+        kept.squeeze[k] += kept_share(stiff) * (reached.squeeze[k] - kept.squeeze[k]);
     }
     for (size_t k = 0; k < hinge_.size(); ++k) {
         double squared_weight = 0.0;
@@ -152,11 +188,10 @@ void XpbdConstraints::sweep_triangle(const XpbdMobility& mobility, const Triangl
     const double q = mobility.squared_time;
     const auto& gradient = triangle.stencil.corner_gradient;
     const Deformation now = deformation_of(triangle, x), begun = deformation_of(triangle, start);
-    const Eigen::Vector3d strain(0.5 * (now.col(0).squaredNorm() - 1.0), 0.5 * (now.col(1).squaredNorm() - 1.0),
-                                 now.col(0).dot(now.col(1)));
+    const Response response = respond(stiffness_, now);
     const Eigen::Matrix2d weighted = weighted_gradients(mobility, triangle.vertex, gradient);
-    const Eigen::Matrix3d tangent = triangle.stencil.area * stiffness_matrix(stiffness_);
-    const Eigen::Vector3d lacking = tangent * strain - force.transpose();
+    const Eigen::Matrix3d tangent = triangle.stencil.area * response.tangent;
+    const Eigen::Vector3d lacking = triangle.stencil.area * response.stress - force.transpose();
     const auto change_along = [&](const Deformation& f) -> Eigen::RowVector3d {
         const Eigen::Matrix3d system = Eigen::Matrix3d::Identity() + q * tangent * strain_mobility(f, weighted);
         return (system.inverse() * lacking).transpose();
@@ -172,6 +207,24 @@ void XpbdConstraints::sweep_triangle(const XpbdMobility& mobility, const Triangl
     for (int i = 0; i < 3; ++i)
         x.row(triangle.vertex[i]) -=
             q * mobility.inverse_mass[triangle.vertex[i]] * (flux * gradient.row(i).transpose()).transpose();
+}
+
+void XpbdConstraints::sweep_squeeze(const XpbdMobility& mobility, const Triangle& triangle, const Positions& start,
+                                    double& force, Positions& x) const {
+    const SqueezeConstraint now(stiffness_, deformation_of(triangle, x));
+    if (!now.acts() && force == 0.0) return;
+    const SqueezeConstraint begun(stiffness_, deformation_of(triangle, start));
+    const Deformation& direction = begun.acts() ? begun.gradient : now.gradient;
+    const double q = mobility.squared_time, area = triangle.stencil.area;
+    Eigen::Matrix3d move = direction * triangle.stencil.corner_gradient.transpose();  // columns: of the corners
+    double yield = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        yield += mobility.inverse_mass[triangle.vertex[i]] * move.col(i).squaredNorm();
+        move.col(i) *= mobility.inverse_mass[triangle.vertex[i]];
+    }
+    const double change = (area * now.value - force) / (1.0 + q * area * yield);
+    force += change;
+    for (int i = 0; i < 3; ++i) x.row(triangle.vertex[i]) -= q * change * move.col(i).transpose();
 }
 
 double XpbdConstraints::lag(const XpbdMobility& mobility, const Triangle& triangle, const Eigen::RowVector3d& force) {
@@ -221,8 +274,11 @@ void XpbdConstraints::sweep_hinge(const XpbdMobility& mobility, const Hinge& hin
 
 void XpbdConstraints::sweep(const XpbdMobility& mobility, const Positions& start, XpbdForces& forces,
                             Positions& x) const {
-    for (size_t k = 0; k < triangle_.size(); ++k)
+    for (size_t k = 0; k < triangle_.size(); ++k) {
         sweep_triangle(mobility, triangle_[k], start, forces.membrane.row(k), x);
+        if (stiffness_.compression == Compression::full)
+            sweep_squeeze(mobility, triangle_[k], start, forces.squeeze[k], x);
+    }
     for (size_t k = 0; k < hinge_.size(); ++k) sweep_hinge(mobility, hinge_[k], start, forces.bending.row(k), x);
 }
 

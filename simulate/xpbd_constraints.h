@@ -14,8 +14,9 @@ namespace toile::simulate {
 /// The multipliers of elastic constraints as forces: at rest they are the stresses of the energy. Part of a state, so
 /// that a step starts from the forces of the one before.
 struct XpbdForces {
-    Positions membrane;  ///< `[F x 3]` pattern area times second Piola-Kirchhoff stress (uu, vv, uv) [N m]
-    Positions bending;   ///< `[H x 3]` stiffness times Σ w x of each hinge [N]
+    Positions membrane;       ///< `[F x 3]` pattern area times second Piola-Kirchhoff stress (uu, vv, uv) [N m]
+    Eigen::VectorXd squeeze;  ///< `[F]` pattern area times the root of twice cloth/squeeze.h's energy
+    Positions bending;        ///< `[H x 3]` stiffness times Σ w x of each hinge [N]
 };
 
 /// How a step of length h with damping α turns a force on a vertex into a move: q times its inverse mass.
@@ -63,6 +64,8 @@ class XpbdConstraints {
         double weight[4];
         double stiffness;  // energy is half of it times |Σ w x|² [N/m]
     };
+    void sweep_squeeze(const XpbdMobility& mobility, const Triangle& triangle, const Positions& start, double& force,
+                       Positions& x) const;
     static double lag(const XpbdMobility& mobility, const Triangle& triangle, const Eigen::RowVector3d& force);
     void sweep_triangle(const XpbdMobility& mobility, const Triangle& triangle, const Positions& start,
                         Eigen::Ref<Eigen::RowVector3d> force, Positions& x) const;

@@ -115,6 +115,14 @@ TEST(Untangle, OneVertexAMetreAwayThroughTheOtherLayer) {
     EXPECT_EQ(count_self_intersections(from.triangle, outcome.position), 0);
 }
 
+TEST(Untangle, StaysFiniteWhereSquaresOverflow) {
+    test::Surface from = test::layers_with_bump(0.005);
+    from.position *= 1e200;
+    const Outcome outcome = untangled(from);
+    EXPECT_EQ(outcome.report.status, UntangleStatus::tangled);
+    EXPECT_TRUE(outcome.position.allFinite());
+}
+
 TEST(Untangle, GivesTheSameBytesAgain) {
     const test::Surface from = test::fold_with_tip();
     EXPECT_EQ(untangled(from).position, untangled(from).position);

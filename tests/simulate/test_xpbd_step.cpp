@@ -95,6 +95,28 @@ TEST(XpbdStep, EnergyNeverRisesUnderDamping) {
     }
 }
 
+TEST(XpbdStep, ForcesAreThoseOfTheEnergy) {
+    // Where nothing can move, one sweep takes every constraint's force to the energy's.
+    for (const Compression compression : {Compression::full, Compression::tension_field}) {
+        Fixture f;
+        f.membrane.compression = compression;
+        Positions x = test::crumpled(f.mesh.rest_position, 0.02);
+        x.topRows(21).col(0) *= 0.4;  // squeezed
+        const Elasticity elasticity(f.mesh, f.topology, f.membrane, f.bending, Eigen::Vector3d::Zero());
+        Positions gradient = Positions::Zero(x.rows(), 3), force = gradient;
+        elasticity.add_gradient(x, gradient);
+        const XpbdConstraints constraints(f.mesh, f.topology, f.membrane, f.bending);
+        XpbdForces forces = constraints.no_forces();
+        Positions moved = x;
+        const Eigen::VectorXd immovable = Eigen::VectorXd::Zero(x.rows());
+        constraints.sweep({1e-6, immovable}, x, forces, moved);
+        constraints.add_forces(x, forces, force);
+        EXPECT_LT((force + gradient).norm(), 1e-12 * gradient.norm());
+        EXPECT_EQ(moved, x);
+        EXPECT_EQ(forces.squeeze.norm() > 0.0, compression == Compression::full);
+    }
+}
+
 TEST(XpbdStep, AFunctionOfItsArguments) {
     const Fixture f;
     const XpbdSystem system = f.system({0, -9.81, 0});
