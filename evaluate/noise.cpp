@@ -101,7 +101,7 @@ Draped drape_sample(const Ways& ways, const NoiseSource::Pose& pose) {
     }
     record.spread = spread_of(record);
     record.spread_rms = std::sqrt(record.spread.squaredNorm() / static_cast<double>(record.spread.size()));
-    record.spread_max = record.spread.maxCoeff();
+    record.spread_max = record.spread.hasNaN() ? not_a_number : record.spread.maxCoeff();
     return draped;
 }
 

@@ -57,7 +57,8 @@ files::NoiseRecord record_of(int status, int variant_status, double distance) {
 }
 
 TEST(NoiseResults, CountOnlyPairsThatBothRest) {
-    NoiseResults results({{"half_step", "half"}});
+    const std::vector<files::NoiseVariant> variants{{"half_step", "half"}};
+    NoiseResults results(variants);
     for (const auto& [status, variant, distance] :
          {std::tuple{0, 0, 1e-3}, {0, 0, 3e-3}, {0, 0, 2e-3}, {1, 0, 9.0}, {0, 1, 9.0}}) {
         files::NoiseRecord record = record_of(status, variant, distance);

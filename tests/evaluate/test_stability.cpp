@@ -23,7 +23,7 @@ TEST(EnergyTrace, CountsRisesInHeightOfTheGarment) {
     for (const double energy : {5.0, 3.0, 3.0 + 1e-6, 4.0}) trace.add(energy, energy == 5.0);
     EXPECT_TRUE(trace.measured());
     EXPECT_EQ(trace.steps(), 3);
-    EXPECT_EQ(trace.rises(), 1) << "half a micrometre is rounding, half a metre is not";
+    EXPECT_EQ(trace.rises(), 1) << "a rounding error is none, half a metre is not";
     EXPECT_NEAR(trace.largest_rise(), 0.5, 1e-6);
 }
 
