@@ -16,6 +16,9 @@ constexpr double largest_move = 0.01;
 /// where almost all forces are kept and rest is exact.
 constexpr double first_relative_stiffness = 1000.0, last_relative_stiffness = 20.0, relative_fall = 0.9;
 
+/// Small steps for measuring a speed over those of a time step.
+constexpr int speed_refinement = 8;
+
 XpbdSystem make_system(const DrapeModel& model, const std::vector<Contact*>& contacts) {
     const DrapeScene& scene = model.scene;
     XpbdSystem system{XpbdConstraints(scene.mesh, model.topology, scene.membrane, scene.bending),
@@ -78,21 +81,21 @@ void XpbdSolver::follow(const Positions& carried) {
     relative_stiffness_ = first_relative_stiffness;
 }
 
-void XpbdSolver::add_mass() {
+void XpbdSolver::add_mass(double relative_stiffness, XpbdParameters& parameters) const {
     Eigen::VectorXd stiffness = Eigen::VectorXd::Zero(state_.position.rows());
     system_.constraints.add_stiffness(state_.forces, stiffness);
-    const double q = parameters_.mobility().squared_time;
+    const double q = parameters.mobility().squared_time;
     for (int v = 0; v < stiffness.size(); ++v) {
-        const double lightest = relative_stiffness_ / (q * stiffness[v]);
-        settling_.inverse_mass[v] = std::min(parameters_.inverse_mass[v], lightest);
+        const double lightest = relative_stiffness / (q * stiffness[v]);
+        parameters.inverse_mass[v] = std::min(parameters_.inverse_mass[v], lightest);
     }
 }
 
 void XpbdSolver::settle() {
     ++report_.iterations;
     tie(false);
+    if (settling_.keep_forces) add_mass(relative_stiffness_, settling_);
     for (int k = 0; k < model_.scene.solver.xpbd.substeps; ++k) {
-        if (settling_.keep_forces) add_mass();
         state_ = xpbd_step(system_, settling_, std::move(state_));
         double energy = 0.0;
         for (int v = 0; v < state_.velocity.rows(); ++v)
@@ -120,13 +123,18 @@ double XpbdSolver::residual_force() {
 }
 
 double XpbdSolver::largest_speed() {
+    // Steps so short that the cloth's own masses will do, almost everywhere.
+    XpbdParameters parameters = parameters_;
+    const int steps = speed_refinement * model_.scene.solver.xpbd.substeps;
+    if (parameters.keep_forces) {
+        parameters.time_step = model_.scene.solver.time_step / steps;
+        add_mass(last_relative_stiffness, parameters);
+    }
     XpbdState state = state_;
     state.velocity.setZero();
-    for (int k = 0; k < model_.scene.solver.xpbd.substeps; ++k) {
-        state = xpbd_step(system_, parameters_, std::move(state));
-    }
+    for (int k = 0; k < steps; ++k) state = xpbd_step(system_, parameters, std::move(state));
     return std::sqrt((state.position - state_.position).rowwise().squaredNorm().maxCoeff()) /
-           model_.scene.solver.time_step;
+           (steps * parameters.time_step);
 }
 
 }  // namespace toile::simulate

@@ -26,7 +26,8 @@ class XpbdSolver final : public Solver {
   private:
     void tie(bool solids_moved);
     void keep_anchors();
-    void add_mass();
+    /// Sets masses of which q/m times the stiffness is no more than that.
+    void add_mass(double relative_stiffness, XpbdParameters& parameters) const;
 
     const DrapeModel& model_;
     std::vector<Contact*> contacts_;
