@@ -10,8 +10,6 @@ namespace {
 
 /// Range of the pseudo time step while the cloth settles [s]; the upper end is statics.
 constexpr double shortest_time_step = 1e-3, longest_time_step = 1e3;
-/// In wind the upper end: its force follows the cloth one step behind, and longer steps swing about the rest [s].
-constexpr double longest_windy_time_step = 0.02;
 
 }  // namespace
 
@@ -81,8 +79,15 @@ void ImplicitSolver::settle() {
     const ImplicitStep::Target target{&before_, &before_, time_step_};
     const ImplicitStep::Iteration done = step_.iterate(target, x_, report_);
     end_step();
-    if (done.halvings == 0)
-        time_step_ = std::min(2.0 * time_step_, wind_ ? longest_windy_time_step : longest_time_step);
+    double growth = 2.0;
+    if (wind_) {
+        // The wind's force lags one step behind the cloth: the step grows only as fast as the residual falls (switched
+        // evolution relaxation, Mulder and van Leer 1985), or the two would swing about the rest.
+        const double residual = step_.static_residual(x_, report_);
+        if (last_residual_ > 0.0 && residual > 0.0) growth = std::clamp(last_residual_ / residual, 0.5, 2.0);
+        last_residual_ = residual;
+    }
+    if (done.halvings == 0) time_step_ = std::clamp(growth * time_step_, shortest_time_step, longest_time_step);
     if (done.halvings > 1) time_step_ = std::max(0.5 * time_step_, shortest_time_step);
 }
 

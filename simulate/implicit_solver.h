@@ -35,7 +35,8 @@ class ImplicitSolver final : public Solver {
     std::optional<Wind> wind_;
     ImplicitStep step_;
     Positions x_, inertial_, velocity_, before_;
-    double time_step_ = 0.0;  ///< of the next settling step [s]
+    double time_step_ = 0.0;      ///< of the next settling step [s]
+    double last_residual_ = 0.0;  ///< kept in wind alone [N]
 };
 
 }  // namespace toile::simulate
