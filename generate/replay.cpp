@@ -1,5 +1,6 @@
 #include "generate/replay.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
@@ -49,6 +50,25 @@ std::string ReplayFolder::write(const files::ReplayRecord& record) {
     written_.push_back(file);
     files::write_replay(file, record);
     return file;
+}
+
+Validation validate_replay(const std::string& path) {
+    Validation result;
+    result.samples = 1;
+    try {
+        const files::ReplayRecord record = files::read_replay(path);
+        const std::vector<std::string_view> reasons = simulate::status_reasons();
+        if (std::find(reasons.begin() + 1, reasons.end(), record.reason) == reasons.end())
+            result.defect.push_back("/: the reason \"" + record.reason + "\" is not one a drape fails for");
+        const auto tries = static_cast<int>(record.tries.size());
+        if (tries == 0) result.defect.push_back("/replay/rung: there are none");
+        if (record.certificate.detail && record.certificate.detail->tries != tries)
+            result.defect.push_back("/certificate/tries[0]: says " + std::to_string(record.certificate.detail->tries) +
+                                    ", but there are " + std::to_string(tries));
+    } catch (const Error& error) {
+        result.defect.push_back(error.what() + (error.where().empty() ? "" : " (" + error.where() + ")"));
+    }
+    return result;
 }
 
 namespace {

@@ -7,6 +7,7 @@
 #include "files/replay_file.h"
 #include "generate/output_folder.h"
 #include "generate/sample.h"
+#include "generate/validate.h"
 
 namespace toile::generate {
 
@@ -30,6 +31,9 @@ class ReplayFolder {
     std::string path_;
     std::vector<std::string> written_;
 };
+
+/// Whether a replay can be read, names a reason, and its tries and certificate agree. It is not run.
+Validation validate_replay(const std::string& path);
 
 /// A replay run again.
 struct Replayed {

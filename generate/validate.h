@@ -16,7 +16,8 @@ struct ValidateOptions {
     std::function<void(int done, int total)> step;  ///< called after each sample, one call at a time
 };
 
-/// Checks any file of ours: a data set, a projection, or a problem, told apart by their datasets.
+/// Checks any file of ours: a data set, a projection, a problem, a noise floor, or a replay, told apart by their
+/// datasets.
 Validation validate_file(const std::string& path, const ValidateOptions& options = {});
 
 /// Checks a dataset file from the file alone and returns everything that is wrong with it, in a fixed order:

@@ -7,6 +7,8 @@
 
 #include "generate/stored_body.h"
 #include "simulate/certificate.h"
+#include "simulate/ladder.h"
+#include "simulate/self_intersection.h"
 
 namespace toile::generate {
 namespace {
@@ -107,12 +109,20 @@ struct Measured {
 };
 
 std::vector<Measured> measured(const files::CertificateRecord& c) {
-    return {{"residual_force", c.residual_force},
-            {"body_penetration", c.body_penetration},
-            {"self_intersections", static_cast<double>(c.self_intersections)},
-            {"max_stretch", c.max_stretch},
-            {"min_stretch", c.min_stretch},
-            {"max_speed", c.max_speed}};
+    std::vector<Measured> all{{"residual_force", c.residual_force},
+                              {"body_penetration", c.body_penetration},
+                              {"self_intersections", static_cast<double>(c.self_intersections)},
+                              {"max_stretch", c.max_stretch},
+                              {"min_stretch", c.min_stretch},
+                              {"max_speed", c.max_speed}};
+    if (!c.detail) return all;
+    all.push_back({"moving_share", c.detail->moving_share});
+    all.push_back({"body_crossings", static_cast<double>(c.detail->body_crossings)});
+    all.push_back({"iterations", static_cast<double>(c.detail->iterations)});
+    all.push_back({"path_steps", static_cast<double>(c.detail->path_steps)});
+    all.push_back({"tries", static_cast<double>(c.detail->tries)});
+    all.push_back({"rung", static_cast<double>(c.detail->rung)});
+    return all;
 }
 
 void check_certificate(const files::DatasetHeader& header, const files::SampleRecord& sample, Lines& lines) {
@@ -126,6 +136,14 @@ void check_certificate(const files::DatasetHeader& header, const files::SampleRe
     }
 }
 
+void check_detail(const files::CertificateDetail& detail, Lines& lines) {
+    if (detail.moving_share > 1) lines.add("/certificate/moving_share", "is " + number(detail.moving_share));
+    if (detail.tries < 1) lines.add("/certificate/tries", "is " + std::to_string(detail.tries));
+    if (detail.rung >= simulate::rung_count)
+        lines.add("/certificate/rung",
+                  "is " + std::to_string(detail.rung) + ", the ladder has " + std::to_string(simulate::rung_count));
+}
+
 void check_measured(const SampleChecker& checker, const files::SampleRecord& sample, const Positions* posed,
                     Lines& lines) {
     auto compare = [&](const char* name, double stored, double found, double tolerance) {
@@ -137,6 +155,9 @@ void check_measured(const SampleChecker& checker, const files::SampleRecord& sam
     const auto stretch = simulate::stretch_range(checker.topology, checker.rest_length, sample.cloth);
     compare("max_stretch", sample.certificate.max_stretch, stretch.largest, 1e-3);
     compare("min_stretch", sample.certificate.min_stretch, stretch.smallest, 1e-3);
+    // Rounding may make layers touch that did not, or the other way round: of few crossings or many, a few.
+    const int crossings = simulate::count_self_intersections(checker.header.mesh.triangle, sample.cloth);
+    compare("self_intersections", sample.certificate.self_intersections, crossings, 2 + 0.05 * crossings);
     if (!posed) return;
     const double depth = simulate::body_penetration(checker.body->triangle, *posed, sample.cloth);
     compare("body_penetration", sample.certificate.body_penetration, depth, 2e-5);
@@ -165,6 +186,7 @@ std::vector<std::string> SampleChecker::defects(const files::SampleRecord& sampl
         lines.add("/samples/status", "is " + std::to_string(sample.status) + ", which has no reason");
     if (sample.status != 0) return lines.take();
     check_certificate(header, sample, lines);
+    if (sample.certificate.detail) check_detail(*sample.certificate.detail, lines);
     if (!check_finite(sample, lines)) return lines.take();
     std::optional<Positions> posed;
     if (header.embedding) {

@@ -19,8 +19,10 @@ struct BodyIntersection {
 
 /// A pose whose surface lies deeper inside the body than this, near the garment, cannot be draped like a body's [m].
 ///
-/// Skinning folds a surface in the pits of joints, so that a little is normal: over the whole range of joint limits ...
-inline constexpr double intersecting_depth = 0.02;
+/// Skinning folds the surface a little in the pits of joints. Measured under a T-shirt, over the joint limits of arms
+/// and spine, on the built-in body and two rigged ones (120 poses): the folds reach 3 mm, forearms in the trunk and
+/// upper arms in the ribs 18 to 100 mm, and nothing lies between.
+inline constexpr double intersecting_depth = 0.01;
 /// How far from a cloth vertex an intersection still matters [m].
 inline constexpr double garment_reach = 0.05;
 

@@ -63,6 +63,9 @@ TEST_F(Cli, RefusesBadFlags) {
     expect_refused("config patch.toml --quick", "--quick");
     expect_refused("config patch.toml --set", "--set");
     expect_refused("simulate patch.toml", "--out");
+    expect_refused("simulate --out a.obj", "CONFIG");
+    expect_refused("simulate --replay patch.toml --out a.obj", "patch.toml");
+    expect_refused("simulate --replay absent.h5 --out a.obj", "absent.h5");
     expect_refused("simulate patch.toml --out a.obj --pose x", "--pose");
     expect_refused("simulate patch.toml --out a.obj --pose -1", "-1");
     expect_refused("generate body.toml --out d --jobs 0", "--jobs");

@@ -83,11 +83,26 @@ TEST_F(CliDataset, ASampleDependsOnItsNumberAlone) {
 
 TEST_F(CliDataset, APoseThatFailsIsKeptAndTheRunGoesOn) {
     // the neutral drape stretches the coarse shirt by 3 %, raised arms by 10 %
-    const Outcome outcome = run("run scene.toml --out d --set gate.max_stretch=1.06");
+    const std::string settings = " --set gate.max_stretch=1.06 --set ladder.tries=1";
+    const Outcome outcome = run("run scene.toml --out d" + settings);
     EXPECT_EQ(outcome.status, 3) << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr("not accepted"));
     EXPECT_THAT(outcome.out, HasSubstr("overstretched"));
-    EXPECT_EQ(files::DatasetReader(path("d/dataset.h5")).sample_count(), 2);
+    const files::DatasetReader dataset(path("d/dataset.h5"));
+    ASSERT_EQ(dataset.sample_count(), 2);
+    for (int slot = 0; slot < 2; ++slot) {
+        const files::SampleRecord sample = dataset.read(slot);
+        const std::string replay = "d/replay/pose_00000" + std::to_string(slot) + ".h5";
+        EXPECT_EQ(std::filesystem::exists(path(replay)), sample.status != 0);
+        if (sample.status == 0) continue;
+        EXPECT_THAT(outcome.out, HasSubstr(replay));
+        EXPECT_EQ(sample.certificate.detail->tries, 2);
+        EXPECT_EQ(run("validate " + replay).status, 0);
+        const Outcome again = run("simulate --replay " + replay + " --out again.obj");
+        EXPECT_EQ(again.status, 3) << again.err;
+        EXPECT_THAT(again.out, HasSubstr("certificate, cloth to the last bit")) << again.out;
+        expect_refused("simulate scene.toml --out again.obj --replay " + replay, "--replay");
+    }
 }
 
 TEST_F(CliDataset, AFullDiskLeavesNothing) {

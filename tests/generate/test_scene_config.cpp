@@ -53,6 +53,24 @@ TEST_F(SceneConfigTest, DefaultsAreThoseOfTheRooms) {
     EXPECT_EQ(config.gate.max_stretch, simulate::GateOptions().max_stretch);
 }
 
+TEST_F(SceneConfigTest, AGateProfileSetsBoundsThatKeysOverride) {
+    const std::string patch = "[garment]\nsource = \"patch\"\n[gate]\n";
+    EXPECT_EQ(read(patch).gate.self_intersections, 0);
+    const simulate::GateOptions theirs = read(patch + "profile = \"garmentcode\"\nmax_stretch = 1.5\n").gate;
+    EXPECT_EQ(theirs.self_intersections, 300);
+    EXPECT_EQ(theirs.max_stretch, 1.5);
+    EXPECT_FALSE(theirs.residual_force);
+    const SceneConfig paper = read(patch + "body_crossings = 7\nprofile = \"paper\"\n[ladder]\ntries = 1\n");
+    EXPECT_FALSE(paper.gate.self_intersections);
+    EXPECT_EQ(paper.gate.body_crossings, 7);
+    EXPECT_EQ(paper.ladder.tries, 1);
+    const SceneConfig again = read_scene_text(paper.absolute_text, "kept.toml", {});
+    EXPECT_EQ(again.gate.profile, simulate::GateProfile::paper);
+    EXPECT_EQ(again.hash, paper.hash) << "a resolved configuration resolves to itself";
+    EXPECT_THAT(error(patch + "profile = \"lax\"\n"), HasSubstr("gate.profile"));
+    EXPECT_THAT(error(patch + "[ladder]\ntries = 4\n"), HasSubstr("ladder.tries"));
+}
+
 TEST_F(SceneConfigTest, AnAbsentTableIsAnAbsentFeature) {
     const SceneConfig plain = read("[garment]\nsource = \"patch\"\n");
     EXPECT_FALSE(plain.body || plain.poses || plain.bending || plain.contact || plain.image || plain.pins ||

@@ -230,6 +230,24 @@ TEST_F(ValidateTest, CertificatesOutsideTheGate) {
                 testing::Each(StartsWith("/certificate/max_stretch[")));
 }
 
+TEST_F(ValidateTest, DetailedCertificates) {
+    EXPECT_THAT(after_sample_change([](SampleRecord& s) { s.certificate.detail->tries = 0; }),
+                ElementsAre("/certificate/tries[2]: is 0"));
+    EXPECT_THAT(after_sample_change([](SampleRecord& s) { s.certificate.detail->rung = 9; }),
+                ElementsAre(StartsWith("/certificate/rung[2]: is 9")));
+    EXPECT_THAT(after_sample_change([](SampleRecord& s) { s.certificate.detail->iterations = -1; }),
+                ElementsAre(StartsWith("/certificate/iterations[2]")));
+    EXPECT_THAT(after_sample_change([](SampleRecord& s) { s.certificate.detail->moving_share = 1.5; }),
+                ElementsAre(StartsWith("/certificate/moving_share[2]")));
+    EXPECT_THAT(after_sample_change([](SampleRecord& s) { s.certificate.self_intersections = 40; }),
+                ElementsAre(StartsWith("/certificate/self_intersections[2]: says 40")));
+    EXPECT_THAT(after_file_change([](Hdf5File& file) { file.remove("/certificate/rung"); }),
+                ElementsAre("/certificate/rung: missing"));
+    TinyDataset contracted;  // another program's data set holds the contract's seven
+    contracted.change_sample = [](int, SampleRecord& s) { s.certificate.detail.reset(); };
+    EXPECT_THAT(defects_of(contracted), IsEmpty());
+}
+
 TEST_F(ValidateTest, CertificatesThatTheClothDeniesWithinTheGate) {
     EXPECT_THAT(after_sample_change([](SampleRecord& s) { s.certificate.max_stretch -= 0.01; }),
                 ElementsAre(AllOf(StartsWith("/certificate/max_stretch[2]"), HasSubstr("the cloth gives"))));

@@ -116,6 +116,7 @@ void TinyDataset::write(const std::string& path) const {
         sample.certificate.min_stretch = stretch.smallest;
         sample.certificate.max_speed = 1e-4;
         sample.certificate.seconds = 1.0;
+        sample.certificate.detail = {0.0, 0, 40, 10, 1, 0};
         change_sample(slot, sample);
         writer.write(slot, sample);
     }
