@@ -142,8 +142,6 @@ void bind_bullet(ConfigTable& root, SceneConfig& config) {
                   {.lower = 1, .upper = 1000, .doc = "passes over links and contacts in a substep"});
     table.integer("settle_substeps", b.settle_substeps,
                   {.lower = 1, .upper = 10000, .doc = "substeps in one settling step"});
-    table.real("settle_damping", b.settle_damping,
-               {.lower = 0, .upper = 1000, .unit = "1/s", .doc = "while settling, where it is above simulate.damping"});
 }
 
 void bind_path(ConfigTable& root, SceneConfig& config) {

@@ -22,6 +22,8 @@ namespace {
 constexpr double surface_mass = 1e6;
 /// Speed at which a vertex below the surface is taken back to it [m/s].
 constexpr double recovery_speed = 0.5;
+/// Velocities are not dropped more often than every so many substeps: chatter of few vertices would else stop all.
+constexpr int shortest_swing = 4;
 /// A vertex so little above the thickness, over the thickness, is held from coming nearer: otherwise links would pull
 /// in what gravity lifts off, in turns.
 constexpr double hold = 0.01;
@@ -47,6 +49,8 @@ struct Touch {
     double ease = 1.0;  // of the recovery speed
     double grip = 0.0;  // share of the slip that friction took in the last substep
 };
+
+using Touches = std::vector<std::vector<Touch>>;  // [solid][vertex]
 
 /// What a rigid contact of the soft body came from, in the order of `m_rcontacts`.
 struct ContactSource {
@@ -79,6 +83,9 @@ class SolidContactSolver final : public btDefaultSoftBodySolver {
     void take_surface_velocities(const Positions& carried, double h);
     void rest_surfaces();
 
+    const Touches& touches() const { return touch_; }
+    void set_touches(const Touches& touches) { touch_ = touches; }
+
   private:
     bool add_contact(btSoftBody& cloth, btSoftBody::Node& node, const Contact& contact, Touch& touch,
                      const Obstacle::Contact& found);
@@ -86,7 +93,7 @@ class SolidContactSolver final : public btDefaultSoftBodySolver {
     static double grip_of(const Touch& touch, double friction, double new_normal, double new_slip);
 
     std::vector<Contact*> contacts_;
-    std::vector<std::vector<Touch>> touch_;  // [solid][vertex]
+    Touches touch_;
     std::vector<ContactSource> source_;
     std::vector<std::unique_ptr<btRigidBody>> surface_;
 };
@@ -238,9 +245,19 @@ class BulletSolver final : public Solver {
   private:
     void add_links();
     void place(const Positions& x);
-    void run(int substeps, double damping);
+    void run(int substeps, bool settling);
     void substep();
+    void drop_velocities_past_peak();
     void begin_step();
+    /// All that a trial run changes.
+    struct Snapshot {
+        Positions x, velocity_before, before, velocity;
+        Touches touches;
+        bool stepped;
+    };
+    Snapshot snapshot() const;
+    double net_force() const;  // of the last substep [N]
+    void restore(const Snapshot& then);
     double inverse_mass(int v) const { return soft_->m_nodes[v].m_im; }
 
     const DrapeModel& model_;
@@ -255,6 +272,8 @@ class BulletSolver final : public Solver {
     std::vector<btCollisionObject> solid_;
     std::unique_ptr<btSoftBody> soft_;
     Positions x_, velocity_before_;
+    double kinetic_energy_ = 0.0;  // of the last substep while settling [J]
+    int since_drop_ = 0;
     bool stepped_ = false;  // since `start`
 };
 
@@ -292,6 +311,7 @@ void BulletSolver::add_links() {
 
 void BulletSolver::start(const Positions& x) {
     x_ = x;
+    velocity_before_ = Positions::Zero(x.rows(), 3);
     const DrapeScene& scene = model_.scene;
     const int count = static_cast<int>(x.rows());
     std::vector<btVector3> position(static_cast<size_t>(count));
@@ -304,6 +324,7 @@ void BulletSolver::start(const Positions& x) {
     soft_ = std::make_unique<btSoftBody>(&world_, count, position.data(), mass.data());
     soft_->getCollisionShape()->setMargin(tree_margin);
     soft_->m_cfg.piterations = options_.position_iterations;
+    soft_->m_cfg.kDP = scene.solver.damping * dt_ / (1.0 + scene.solver.damping * dt_);
     // Contact has the last word of each pass.
     soft_->m_cfg.m_psequence.clear();
     soft_->m_cfg.m_psequence.push_back(btSoftBody::ePSolver::Linear);
@@ -347,10 +368,24 @@ void BulletSolver::substep() {
     stepped_ = true;
 }
 
-void BulletSolver::run(int substeps, double damping) {
-    velocity_before_.resize(x_.rows(), 3);
-    soft_->m_cfg.kDP = damping * dt_ / (1.0 + damping * dt_);
-    for (int k = 0; k < substeps; ++k) substep();
+/// Dynamic relaxation by kinetic damping: what has passed its greatest speed has passed its rest.
+void BulletSolver::drop_velocities_past_peak() {
+    double energy = 0.0;
+    for (int v = 0; v < x_.rows(); ++v) energy += 0.5 * model_.scene.mesh.mass[v] * soft_->m_nodes[v].m_v.length2();
+    ++since_drop_;
+    if (energy < kinetic_energy_ && since_drop_ >= shortest_swing) {
+        for (int v = 0; v < x_.rows(); ++v) soft_->m_nodes[v].m_v.setZero();
+        since_drop_ = 0;
+        energy = 0.0;
+    }
+    kinetic_energy_ = energy;
+}
+
+void BulletSolver::run(int substeps, bool settling) {
+    for (int k = 0; k < substeps; ++k) {
+        substep();
+        if (settling) drop_velocities_past_peak();
+    }
     for (int v = 0; v < x_.rows(); ++v) x_.row(v) = to_eigen(soft_->m_nodes[v].m_x).transpose();
 }
 
@@ -358,31 +393,19 @@ void BulletSolver::follow(const Positions& carried) {
     solver_.take_surface_velocities(carried, dt_ * substeps_);
     place(carried);
     begin_step();
-    run(substeps_, model_.scene.solver.damping);
+    run(substeps_, false);
     solver_.rest_surfaces();
     solver_.tie(x_);
 }
 
 void BulletSolver::settle() {
     begin_step();
-    run(options_.settle_substeps, std::max(options_.settle_damping, model_.scene.solver.damping));
+    run(options_.settle_substeps, true);
     solver_.tie(x_);
     ++report_.iterations;
 }
 
-double BulletSolver::residual_force() {
-    if (!stepped_) {
-        const Positions start = x_;
-        run(1, 0.0);
-        double squared = 0.0;
-        for (int v = 0; v < x_.rows(); ++v)
-            if (inverse_mass(v) > 0.0)
-                squared += ((x_.row(v) - start.row(v)) / (inverse_mass(v) * dt_ * dt_)).squaredNorm();
-        place(start);
-        for (int v = 0; v < x_.rows(); ++v) soft_->m_nodes[v].m_v.setZero();
-        stepped_ = false;
-        return std::sqrt(squared);
-    }
+double BulletSolver::net_force() const {
     double squared = 0.0;
     for (int v = 0; v < x_.rows(); ++v) {
         const btSoftBody::Node& node = soft_->m_nodes[v];
@@ -393,14 +416,46 @@ double BulletSolver::residual_force() {
     return std::sqrt(squared);
 }
 
+double BulletSolver::residual_force() {
+    if (stepped_) return net_force();
+    const Snapshot now = snapshot();
+    run(1, false);
+    const double force = net_force();
+    restore(now);
+    return force;
+}
+
 Eigen::VectorXd BulletSolver::speeds() {
-    Eigen::VectorXd speeds(x_.rows());
-    for (int v = 0; v < x_.rows(); ++v) speeds[v] = to_eigen(soft_->m_nodes[v].m_v).norm();
+    const Snapshot now = snapshot();
+    for (int v = 0; v < x_.rows(); ++v) soft_->m_nodes[v].m_v.setZero();
+    run(substeps_, false);
+    const Eigen::VectorXd speeds = (x_ - now.x).rowwise().norm() / (dt_ * substeps_);
+    restore(now);
     return speeds;
 }
 
 double BulletSolver::largest_speed() {
     return speeds().maxCoeff();
+}
+
+BulletSolver::Snapshot BulletSolver::snapshot() const {
+    Snapshot now{x_, velocity_before_, Positions(x_.rows(), 3), Positions(x_.rows(), 3), solver_.touches(), stepped_};
+    for (int v = 0; v < x_.rows(); ++v) {
+        now.before.row(v) = to_eigen(soft_->m_nodes[v].m_q).transpose();
+        now.velocity.row(v) = to_eigen(soft_->m_nodes[v].m_v).transpose();
+    }
+    return now;
+}
+
+void BulletSolver::restore(const Snapshot& then) {
+    place(then.x);
+    velocity_before_ = then.velocity_before;
+    for (int v = 0; v < x_.rows(); ++v) {
+        soft_->m_nodes[v].m_q = to_bullet(then.before.row(v).transpose());
+        soft_->m_nodes[v].m_v = to_bullet(then.velocity.row(v).transpose());
+    }
+    solver_.set_touches(then.touches);
+    stepped_ = then.stepped;
 }
 
 double BulletSolver::energy() const {

@@ -24,9 +24,12 @@ namespace toile::simulate {
 /// relative to that frame. Of a large mass (1e6 kg), it weighs what the contact pushes: Coulomb's limit of one substep
 /// comes from the normal impulse of the one before. Depth is taken back at a bounded speed without gaining velocity.
 ///
-/// `residual_force` is mass times acceleration over the last substep, before damping; `largest_speed` is the velocity
-/// that Bullet holds. Damping (`solver.damping`, and `bullet.settle_damping` while settling) slows all velocities
-/// relative to the carried frame.
+/// `settle` is dynamic relaxation: all velocities are dropped where kinetic energy has passed a peak. `residual_force`
+/// is mass times acceleration over the last substep, before damping; speeds are those of one more time step from rest,
+/// which is taken back. `solver.damping` slows velocities relative to the carried frame.
+///
+/// Not felt: the cloth itself (Bullet's soft bodies do not collide vertices and faces of one body with each other),
+/// wind, strain limits, the membrane's compression response. Crossings are in the certificate.
 ///
 /// Throws Error in a build without Bullet (-DTOILE_BULLET=OFF).
 std::unique_ptr<Solver> make_bullet_solver(const DrapeModel& model, const std::vector<Contact*>& contacts,

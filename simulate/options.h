@@ -52,7 +52,6 @@ struct BulletOptions {
     double substep = 0.0005;      ///< Bullet's fixed step, at most [s], 0.00001 to 0.1: a shorter one stretches less
     int position_iterations = 2;  ///< passes over links and contacts in a substep, 1 to 1000
     int settle_substeps = 20;     ///< substeps in one settling step, 1 to 10000
-    double settle_damping = 8.0;  ///< while settling, where it is above `damping` [1/s], 0 to 1000
 };
 
 /// The integrator and what "at rest" means.
