@@ -18,6 +18,9 @@ constexpr double squeeze_ratio = 2.0;
 /// A kept force whose direction lags behind by a step is stable up to q/m times its geometric stiffness of 4; this is
 /// for one triangle of those around a vertex.
 constexpr double largest_lag = 2.0;
+/// What a force resists to turning counts this much more than stiffness along it: sweeps find the one implicitly, the
+/// other acts a step late.
+constexpr double turning_weight = 10.0;
 /// A block up to this stiff, as q D G, keeps its force in full, a stiffer one less: sweeps approach the forces of stiff
 /// blocks slowly, and kept in full the rest would build up and overshoot, step after step (integral windup).
 constexpr double largest_kept_stiffness = 4.0;
@@ -239,7 +242,7 @@ void XpbdConstraints::add_stiffness(const XpbdForces& forces, Eigen::VectorXd& s
     for (size_t k = 0; k < triangle_.size(); ++k) {
         const Triangle& triangle = triangle_[k];
         const Eigen::Vector3d slope = triangle.stencil.corner_gradient.rowwise().norm();
-        const double both = triangle.stencil.area * stiffest + spectral_norm(forces.membrane.row(k));
+        const double both = triangle.stencil.area * stiffest + turning_weight * spectral_norm(forces.membrane.row(k));
         for (int i = 0; i < 3; ++i) stiffness[triangle.vertex[i]] += both * slope.sum() * slope[i];
     }
     for (const Hinge& hinge : hinge_) {

@@ -12,9 +12,10 @@ namespace {
 /// [m].
 constexpr double largest_move = 0.01;
 /// While settling no vertex is lighter than makes q/m times its stiffness this. The first value is for coming near
-/// rest, stiff cloth being soft as sweeps do not get through it; at each stop it falls by `relative_fall` to the last,
+/// rest, stiff cloth being soft as sweeps do not get through it; it falls with each stop and settling step to the last,
 /// where almost all forces are kept and rest is exact.
-constexpr double first_relative_stiffness = 1000.0, last_relative_stiffness = 20.0, relative_fall = 0.9;
+constexpr double first_relative_stiffness = 1000.0, last_relative_stiffness = 5.0, fall_per_stop = 0.9,
+                 fall_per_step = 0.95;
 
 /// Small steps for measuring a speed over those of a time step.
 constexpr int speed_refinement = 8;
@@ -91,6 +92,10 @@ void XpbdSolver::add_mass(double relative_stiffness, XpbdParameters& parameters)
     }
 }
 
+void XpbdSolver::soften(double fall) {
+    relative_stiffness_ = std::max(last_relative_stiffness, fall * relative_stiffness_);
+}
+
 void XpbdSolver::settle() {
     ++report_.iterations;
     tie(false);
@@ -104,12 +109,13 @@ void XpbdSolver::settle() {
         if (energy < kinetic_energy_) {
             state_.velocity.setZero();
             kinetic_energy_ = 0.0;
-            relative_stiffness_ = std::max(last_relative_stiffness, relative_fall * relative_stiffness_);
+            soften(fall_per_stop);
         } else {
             kinetic_energy_ = energy;
         }
     }
     keep_anchors();
+    soften(fall_per_step);
 }
 
 double XpbdSolver::residual_force() {

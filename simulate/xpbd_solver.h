@@ -26,6 +26,7 @@ class XpbdSolver final : public Solver {
   private:
     void tie(bool solids_moved);
     void keep_anchors();
+    void soften(double fall);
     /// Sets masses of which q/m times the stiffness is no more than that.
     void add_mass(double relative_stiffness, XpbdParameters& parameters) const;
 
@@ -35,8 +36,8 @@ class XpbdSolver final : public Solver {
     XpbdSystem system_;
     XpbdParameters parameters_, settling_;
     XpbdState state_;
-    double relative_stiffness_ = 0.0;
-    double kinetic_energy_ = 0.0;  ///< after the last small step while settling
+    double relative_stiffness_ = 0.0;  ///< while settling: q/m times stiffness, at most
+    double kinetic_energy_ = 0.0;      ///< after the last small step while settling
 };
 
 }  // namespace toile::simulate
