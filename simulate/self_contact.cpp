@@ -23,6 +23,8 @@ constexpr double size_share = 0.5;
 constexpr double straight_share = 0.05;
 /// Rounds in which `limit` shortens zones before it shortens everything alike.
 constexpr int most_rounds = 30;
+/// A round that holds back holds back by at least this factor, so that few are needed.
+constexpr double least_progress = 0.8;
 /// Searches in which `limit` shortens zones before it shortens everything alike.
 constexpr int most_searches = 8;
 
@@ -189,7 +191,7 @@ double SelfContact::shorten_zones(const Positions& x, Positions& motion) const {
             double furthest = 0.0;
             for (int v : pair.point) furthest = std::max(furthest, share[v]);
             for (int v : pair.point) {
-                const double held = std::min(share[v], safe * furthest);
+                const double held = std::min(share[v], std::min(safe, least_progress) * furthest);
                 if (held == share[v]) continue;
                 share[v] = held;
                 motion.row(v) = held * whole.row(v);
