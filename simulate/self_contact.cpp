@@ -23,6 +23,8 @@ constexpr double size_share = 0.5;
 constexpr double straight_share = 0.05;
 /// Rounds in which `limit` shortens zones before it shortens everything alike.
 constexpr int most_rounds = 30;
+/// A round that holds back holds back by at least this factor, so that few are needed.
+constexpr double least_progress = 0.8;
 /// Searches in which `limit` shortens zones before it shortens everything alike.
 constexpr int most_searches = 8;
 
@@ -184,13 +186,18 @@ double SelfContact::shorten_zones(const Positions& x, Positions& motion) const {
             const double safe = pair_safe_share(pair, x, motion, length);
             if (safe >= 1.0) continue;
             any = true;
-            // All four by the same share: the pair's own motion is then on the path that is known to be safe.
+            // Those that still go furthest are held back first: what is short already need not become shorter. The
+            // pair is looked at again in the next round.
+            double furthest = 0.0;
+            for (int v : pair.point) furthest = std::max(furthest, share[v]);
             for (int v : pair.point) {
-                share[v] *= safe;
-                motion.row(v) *= safe;
-                length[v] *= safe;
+                const double held = std::min(share[v], std::min(safe, least_progress) * furthest);
+                if (held == share[v]) continue;
+                share[v] = held;
+                motion.row(v) = held * whole.row(v);
+                length[v] = motion.row(v).norm();
                 shortened_in[v] = round;
-                smallest = std::min(smallest, share[v]);
+                smallest = std::min(smallest, held);
             }
         }
         if (!any) return smallest;

@@ -20,7 +20,7 @@ struct Fixture {
 TEST(ImplicitStep, FreeFallIsExact) {
     // Nothing but gravity: one implicit Euler step from rest moves every vertex by h² g.
     Fixture f;
-    ImplicitStep step(f.mesh, f.elasticity, f.symbolic, f.pinned, {}, 0.0);
+    ImplicitStep step(f.mesh, f.elasticity, f.symbolic, f.pinned, {}, nullptr, 0.0);
     Positions x = f.mesh.rest_position;
     const ImplicitStep::Target target{&f.mesh.rest_position, &f.mesh.rest_position, 0.01};
     const ImplicitStep::Iteration done = step.iterate(target, x, f.report);
@@ -32,7 +32,7 @@ TEST(ImplicitStep, FreeFallIsExact) {
 
 TEST(ImplicitStep, DampingSlowsTheFall) {
     Fixture f;
-    ImplicitStep step(f.mesh, f.elasticity, f.symbolic, f.pinned, {}, 50.0);
+    ImplicitStep step(f.mesh, f.elasticity, f.symbolic, f.pinned, {}, nullptr, 50.0);
     Positions x = f.mesh.rest_position;
     step.iterate({&f.mesh.rest_position, &f.mesh.rest_position, 0.01}, x, f.report);
     // (1/h² + α/h) Δ = g
@@ -42,7 +42,7 @@ TEST(ImplicitStep, DampingSlowsTheFall) {
 TEST(ImplicitStep, PinnedVerticesStay) {
     Fixture f;
     f.pinned = {0, 6};
-    ImplicitStep step(f.mesh, f.elasticity, f.symbolic, f.pinned, {}, 0.0);
+    ImplicitStep step(f.mesh, f.elasticity, f.symbolic, f.pinned, {}, nullptr, 0.0);
     Positions x = f.mesh.rest_position;
     for (int k = 0; k < 5; ++k) step.iterate({&f.mesh.rest_position, &f.mesh.rest_position, 0.05}, x, f.report);
     for (int v : f.pinned) EXPECT_EQ(x.row(v), f.mesh.rest_position.row(v));
@@ -53,7 +53,7 @@ TEST(ImplicitStep, MomentumIsKeptWithoutForces) {
     Fixture f;
     Elasticity weightless(f.mesh, f.topology, {}, BendingOptions{}, {0, 0, 0});
     weightless.bind(*f.symbolic);
-    ImplicitStep step(f.mesh, weightless, f.symbolic, f.pinned, {}, 0.0);
+    ImplicitStep step(f.mesh, weightless, f.symbolic, f.pinned, {}, nullptr, 0.0);
     const Positions start = test::crumpled(f.mesh.rest_position, 0.003);
     const Eigen::RowVector3d velocity(0.3, -0.2, 0.5);
     Positions inertial = start, x = start;
@@ -67,7 +67,7 @@ TEST(ImplicitStep, EveryIterationLowersTheEnergy) {
     // With a time step that long inertia is nothing, and the pins keep the cloth from falling away.
     Fixture f;
     f.pinned = {0, 6};
-    ImplicitStep step(f.mesh, f.elasticity, f.symbolic, f.pinned, {}, 0.0);
+    ImplicitStep step(f.mesh, f.elasticity, f.symbolic, f.pinned, {}, nullptr, 0.0);
     const Positions start = test::crumpled(f.mesh.rest_position, 0.02);
     Positions x = start;
     double before = f.elasticity.energy(x);
@@ -81,7 +81,7 @@ TEST(ImplicitStep, EveryIterationLowersTheEnergy) {
 
 TEST(ImplicitStep, SaysSoWhereItCannotMove) {
     Fixture f;
-    ImplicitStep step(f.mesh, f.elasticity, f.symbolic, f.pinned, {}, 0.0);
+    ImplicitStep step(f.mesh, f.elasticity, f.symbolic, f.pinned, {}, nullptr, 0.0);
     Positions x = f.mesh.rest_position;
     x(3, 1) = std::numeric_limits<double>::quiet_NaN();
     const ImplicitStep::Iteration done =
