@@ -17,13 +17,20 @@ void EnergyTrace::add(double energy, bool first) {
         ++steps_;
         const double rise = (energy - last_) / weight_;
         rise_ = std::max(rise_, rise);
-        if (rise > allowed_rise) ++rises_;
+        if (rise > allowed_) ++rises_;
     }
     last_ = energy;
 }
 
 double EnergyTrace::largest_rise() const {
     return measured_ ? rise_ : std::numeric_limits<double>::quiet_NaN();
+}
+
+double allowed_rise(const simulate::DrapeScene& scene) {
+    constexpr double rounding = 1e-6, longest_stick = 3e-4;
+    double friction = scene.contact ? scene.contact->friction : 0.0;
+    if (scene.self_contact) friction = std::max(friction, scene.self_contact->friction);
+    return rounding + 0.5 * friction * longest_stick;
 }
 
 const std::vector<std::string>& solver_names() {
@@ -47,7 +54,7 @@ std::string missing_solver(const std::string& solver) {
 namespace {
 
 void drape_case(const StabilityScene& scene, StabilityOutcome& outcome) {
-    outcome.energy = EnergyTrace(9.81 * scene.drape.mesh.mass.sum());
+    outcome.energy = EnergyTrace(9.81 * scene.drape.mesh.mass.sum(), allowed_rise(scene.drape));
     const simulate::EnergyWatch watch = [&](double energy, bool first) { outcome.energy.add(energy, first); };
     const simulate::Draper draper(scene.drape);
     simulate::DrapeResult result = draper.drape_neutral(watch);

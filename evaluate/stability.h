@@ -13,25 +13,28 @@ namespace toile::evaluate {
 /// How often and how far a drape's energy went up on its way to rest, the solids standing still.
 class EnergyTrace {
   public:
-    /// Energy is told in metres: how far it would lift the garment, of this weight [N].
-    explicit EnergyTrace(double weight = 1.0) : weight_(weight) {}
+    /// Energy is told in metres: how far it would lift the garment, of this weight [N]. `allowed`: a rise of one step
+    /// that is not counted [m].
+    explicit EnergyTrace(double weight = 1.0, double allowed = 0.0) : weight_(weight), allowed_(allowed) {}
 
     /// Next energy [J]; `first` where the cloth sets out. NaN: not measured.
     void add(double energy, bool first);
 
     bool measured() const { return measured_; }
     int steps() const { return steps_; }  ///< between two energies of one try
-    int rises() const { return rises_; }  ///< steps that raised it by more than `allowed_rise`
+    int rises() const { return rises_; }  ///< steps that raised it by more than is allowed
     double largest_rise() const;          ///< of one step [m]; NaN where nothing was measured
 
   private:
-    double weight_, last_ = 0, rise_ = 0;
+    double weight_, allowed_, last_ = 0, rise_ = 0;
     int steps_ = 0, rises_ = 0;
     bool measured_ = false;
 };
-/// A rise that would not lift the garment by ten micrometres is rounding, or friction's springs following their load
-/// (Contact::stick_spring): they give way by up to 0.3 mm and are made anew where the load has changed much [m].
-inline constexpr double allowed_rise = 1e-5;
+/// The rise of one step that counts for nothing [m]: a micrometre for rounding, and what friction's springs can hold of
+/// a garment that rests on its contacts, half of friction times the 0.3 mm by which they give way. Where a contact's
+/// load changes they are made anew with the same force and another stiffness (Contact::stick_spring), so that much may
+/// appear.
+double allowed_rise(const simulate::DrapeScene& scene);
 
 /// What became of one case with one solver.
 struct StabilityOutcome {

@@ -19,7 +19,7 @@ StabilityCase case_named(const std::string& name) {
 }
 
 TEST(EnergyTrace, CountsRisesInHeightOfTheGarment) {
-    EnergyTrace trace(2.0);
+    EnergyTrace trace(2.0, 1e-6);
     for (const double energy : {5.0, 3.0, 3.0 + 1e-6, 4.0}) trace.add(energy, energy == 5.0);
     EXPECT_TRUE(trace.measured());
     EXPECT_EQ(trace.steps(), 3);
@@ -57,7 +57,6 @@ INSTANTIATE_TEST_SUITE_P(Stability, QuickCase,
                          ::testing::Values("membrane stiffness 0.001 x, hanging",
                                            "bending stiffness 100000 x, on a sphere", "density 10 kg/m^2, hanging",
                                            "time step 0.1 s, hanging", "friction 2, on a table", "inverted, hanging",
-                                           "triangles of aspect 1000, on a table",
                                            "edges from 1 to 30 in one mesh, on a table"));
 
 TEST(Stability, ACaseThatCannotRestIsNotPassed) {
