@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cloth/error.h"
+#include "files/mesh_group.h"
 #include "files/new_file.h"
 
 namespace toile::files {
@@ -47,6 +48,7 @@ void write_replay(const std::string& path, const ReplayRecord& record) {
     file.set_attribute("/", "program_version", record.program_version);
     file.set_attribute("/", "id", record.id);
     file.set_attribute("/", "reason", record.reason);
+    write_mesh_group(file, record.mesh, 4);
     write_rows(file, "/replay/pose", record.pose);
     write_rows(file, "/replay/start", record.start);
     write_rows(file, "/replay/cloth", record.cloth);
@@ -73,8 +75,9 @@ ReplayRecord read_replay(const std::string& path) {
     record.program_version = file.string_attribute("/", "program_version");
     record.id = file.integer_attribute("/", "id");
     record.reason = file.string_attribute("/", "reason");
+    record.mesh = read_mesh_group(file);
     record.pose = read_rows(file, "/replay/pose");
-    record.start = read_rows(file, "/replay/start");
+    record.start = read_rows(file, "/replay/start", record.mesh.vertex_count());
     record.cloth = read_rows(file, "/replay/cloth", record.start.rows());
     if (!record.pose.allFinite()) throw Error("the pose is not finite", path + ":/replay/pose");
     if (!record.start.allFinite()) throw Error("the start is not finite", path + ":/replay/start");

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "cloth/cloth_mesh.h"
 #include "cloth/types.h"
 #include "files/certificate_group.h"
 
@@ -25,6 +26,7 @@ struct ReplayRecord {
     std::string program_version;
     int64_t id = 0;      ///< pose number
     std::string reason;  ///< why it failed
+    ClothMesh mesh;      ///< the garment as it was cut, with masses
     Positions pose;      ///< `[J x 3]`
     Positions start;     ///< `[V x 3]` where the cloth set out from: the neutral drape [m]
     Positions cloth;     ///< `[V x 3]` where it ended [m], in full precision

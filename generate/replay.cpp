@@ -22,6 +22,7 @@ std::unique_ptr<files::ReplayRecord> replay_record(const DressedScene& dressed, 
     record->program_version = TOILE_VERSION;
     record->id = sample.id;
     record->reason = simulate::status_reason(sample.status);
+    record->mesh = dressed.scene.garment.mesh;
     record->pose = sample.pose;
     record->start = dressed.neutral.position;
     record->cloth = sample.draped;
@@ -93,8 +94,9 @@ Replayed replay_once(const std::string& replay, const std::vector<std::string>& 
     again.recorded = files::read_replay(replay);
     const SceneConfig config = read_scene_text(again.recorded.config, replay, overrides);
     again.same_inputs = config.hash == again.recorded.config_hash;
-    const Scene scene = build_scene(config);
+    Scene scene = build_scene(config);
     check_fits(scene, again.recorded, replay);
+    scene.garment.mesh = again.recorded.mesh;
     again.drape = make_draper(scene)->drape(again.recorded.start, again.recorded.pose);
     again.same_cloth = again.drape.position == again.recorded.cloth;
     again.same_certificate = files::certificate_bytes(certificate_record(again.drape.certificate)) ==

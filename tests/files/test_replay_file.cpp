@@ -29,6 +29,12 @@ ReplayRecord replay() {
     record.program_version = "0.1.0";
     record.id = 123;
     record.reason = "not_at_rest";
+    record.mesh.triangle.resize(2, 3);
+    record.mesh.triangle << 0, 1, 2, 2, 1, 3;
+    record.mesh.pattern_triangle = record.mesh.triangle;
+    record.mesh.rest_position = Positions::Constant(4, 3, 0.5);
+    record.mesh.pattern_position = record.mesh.rest_position.leftCols<2>();
+    record.mesh.mass = Eigen::Vector4d::Constant(1.0 / 7.0);
     record.pose = Positions::Constant(2, 3, 0.1);
     record.start = Positions::Constant(4, 3, 1.0 / 3.0);
     record.cloth = Positions::Constant(4, 3, std::sqrt(2.0));
@@ -75,6 +81,9 @@ TEST_F(ReplayFile, ReadsBackToTheLastBit) {
     EXPECT_EQ(read.program_version, written.program_version);
     EXPECT_EQ(read.id, 123);
     EXPECT_EQ(read.reason, "not_at_rest");
+    EXPECT_EQ(read.mesh.triangle, written.mesh.triangle);
+    EXPECT_EQ(read.mesh.pattern_position, written.mesh.pattern_position);
+    EXPECT_EQ(read.mesh.mass, written.mesh.mass);
     EXPECT_EQ(read.pose, written.pose);
     EXPECT_EQ(read.start, written.start);
     EXPECT_EQ(read.cloth, written.cloth);
@@ -107,8 +116,8 @@ TEST_F(ReplayFile, RefusesDefectsOneByOne) {
     EXPECT_THAT(refusal([](Hdf5File& f) { f.set_attribute("/", "kind", "dataset"); }), HasSubstr("not a replay"));
     EXPECT_THAT(refusal([](Hdf5File& f) { f.set_attribute("/", "format", "other"); }), HasSubstr("not a replay"));
     EXPECT_THAT(refusal([](Hdf5File& f) { f.set_attribute("/", "version", 99); }), HasSubstr("version 99"));
-    for (const char* name : {"/replay/pose", "/replay/start", "/replay/cloth", "/replay/rung", "/replay/rung_reason",
-                             "/certificate/max_speed"})
+    for (const char* name : {"/mesh/triangle", "/replay/pose", "/replay/start", "/replay/cloth", "/replay/rung",
+                             "/replay/rung_reason", "/certificate/max_speed"})
         EXPECT_THAT(refusal([&](Hdf5File& f) { f.remove(name); }), HasSubstr(name));
     EXPECT_THAT(refusal([](Hdf5File& f) {
                     f.remove("/replay/cloth");
