@@ -42,6 +42,7 @@ std::vector<skin::Pose> arm_poses(const skin::Body& body, int count) {
 
 simulate::DrapeScene patch_scene(int vertices) {
     pattern::PatchOptions options;
+    options.orientation = pattern::PatchOrientation::horizontal;
     options.edge_length = std::sqrt(1.15 * options.width * options.height / vertices);
     simulate::DrapeScene scene;
     scene.mesh = pattern::make_patch(options).mesh;

@@ -24,7 +24,8 @@ simulate::DrapeScene shirt_scene(double edge_length);
 /// Poses over the whole range of both arms, the same each time.
 std::vector<skin::Pose> arm_poses(const skin::Body& body, int count);
 
-/// A square that hangs by its upper corners, of about as many vertices as the shirt: no body, no contact with one.
+/// A square that starts level and swings down from two corners, of about as many vertices as the shirt: no body, no
+/// contact with one.
 simulate::DrapeScene patch_scene(int vertices);
 
 }  // namespace toile::bench
