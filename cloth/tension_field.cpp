@@ -44,7 +44,7 @@ double wrinkle_parameter(const Eigen::Vector3d& z, const Eigen::Vector3d& w) {
         if (!(next > low && next < high)) next = std::isinf(high) ? 2.0 * tau : 0.5 * (low + high);
         const double change = std::abs(next - tau);
         tau = next;
-        if (change <= 1e-9 * tau) break;  // the error is now its square
+        if (change <= 1e-14 * tau) break;
     }
     return tau;
 }

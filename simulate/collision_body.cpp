@@ -154,16 +154,17 @@ void CollisionBody::start(const skin::Pose& pose, std::shared_ptr<const BodyLeve
     std::fill(in_use_.begin(), in_use_.end(), 0);
 }
 
-void CollisionBody::move_to(const skin::Pose& pose, bool exact, const Positions& cloth, DrapeReport& report) {
+void CollisionBody::move_to(const skin::Pose& pose, DrapeReport& report) {
     const Stopwatch watch(report.level_set_seconds);
     before_ = std::move(now_);
     now_ = state_at(pose);
-    bool make = exact || skin::largest_joint_rotation(built_.pose, pose) > largest_carried_rotation;
-    if (!make) {
-        for (size_t v = 0; v < since_built_.size(); ++v) since_built_[v] = now_.frame[v] * built_.frame[v].transpose();
-        make = carried_error() > path_error * options_.error_bound;
-    }
-    if (make) {
+    for (size_t v = 0; v < since_built_.size(); ++v) since_built_[v] = now_.frame[v] * built_.frame[v].transpose();
+}
+
+void CollisionBody::fit_level_set(bool exact, const Positions& cloth, DrapeReport& report) {
+    const Stopwatch watch(report.level_set_seconds);
+    if (exact || skin::largest_joint_rotation(built_.pose, now_.pose) > largest_carried_rotation ||
+        carried_error() > path_error * options_.error_bound) {
         ++report.level_sets;
         const double voxel = options_.voxel * (exact ? 1.0 : path_coarseness);
         use(std::make_shared<const BodyLevelSet>(body_, now_.position, cloth, voxel, thickness_));

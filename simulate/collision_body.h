@@ -47,9 +47,11 @@ class CollisionBody final : public Obstacle {
 
     /// Sets out from a pose whose level set is there already.
     void start(const skin::Pose& pose, std::shared_ptr<const BodyLevelSet> built);
-    /// Moves the body that the cloth `[V x 3]` is on. `exact` makes the level set anew whatever the error; else it is
-    /// made, coarser, only where the carried one would be off by too much (see `carried_error`).
-    void move_to(const skin::Pose& pose, bool exact, const Positions& cloth, DrapeReport& report);
+    /// Moves the body.
+    void move_to(const skin::Pose& pose, DrapeReport& report);
+    /// Makes the level set fit the body where it is now, with the cloth `[V x 3]` on it. `exact` makes it anew whatever
+    /// the error; else it is made, coarser, only where the carried one would be off by too much (see `carried_error`).
+    void fit_level_set(bool exact, const Positions& cloth, DrapeReport& report);
 
     /// Where the last move takes a point that is tied to `piece`.
     Eigen::Vector3d carry(const Eigen::Vector3d& point, int piece) const;

@@ -82,9 +82,9 @@ void DrapeRun::follow(const skin::Pose& from, const skin::Pose& to) {
     const int steps = static_cast<int>(std::ceil(turn / scene_.schedule.joint_step));
     for (int k = 1; k <= steps; ++k) {
         ++report_.path_steps;
-        body_->move_to(skin::interpolate(from, to, static_cast<double>(k) / steps), k == steps, solver_->position(),
-                       report_);
+        body_->move_to(skin::interpolate(from, to, static_cast<double>(k) / steps), report_);
         carry_with_body();
+        body_->fit_level_set(k == steps, carried_, report_);
         solver_->follow(carried_);
     }
 }

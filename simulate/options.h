@@ -56,7 +56,7 @@ struct BulletOptions {
 
 /// The integrator and what "at rest" means.
 struct SolverOptions {
-    std::string solver = "implicit";              ///< "implicit" or "xpbd"
+    std::string solver = "implicit";              ///< "implicit", "xpbd" or "bullet"
     double time_step = 0.033;                     ///< while the cloth moves [s], 0.0001 to 0.2
     double damping = 2.0;                         ///< mass-proportional, relative to the moving body [1/s], 0 to 1000
     Eigen::Vector3d gravity = {0.0, -9.81, 0.0};  ///< [m/s^2]

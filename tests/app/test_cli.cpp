@@ -91,7 +91,7 @@ TEST_F(Cli, RefusesBadConfigurations) {
     expect_refused(command + "type.toml", "0.0001 to 0.2 [s]) (type.toml:9)");
     expect_refused(command + "range.toml", "simulate.time_step is -1.0");
     expect_refused(command + "nan.toml", "nan.toml:9");
-    expect_refused(command + "patch.toml --set simulate.solver=bullet", "(--set simulate.solver)");
+    expect_refused(command + "patch.toml --set simulate.solver=guesswork", "(--set simulate.solver)");
     expect_refused(command + "patch.toml --set simulate", "--set");
 }
 

@@ -46,7 +46,8 @@ TEST(CollisionBody, DistanceIsToThePosedMesh) {
     CollisionBody collision(body, skin::SkinningMethod::linear, options, 0.002);
     DrapeReport report;
     start(collision, body);
-    collision.move_to(test::bent(0.6), true, body.rest_position, report);
+    collision.move_to(test::bent(0.6), report);
+    collision.fit_level_set(true, collision.position(), report);
     const skin::SurfaceQuery query(body.triangle, collision.position());
     for (int v = 0; v < body.vertex_count(); v += 37) {
         const Eigen::Vector3d point = collision.position().row(v).transpose() + Eigen::Vector3d(0.001, 0.002, -0.001);
@@ -62,10 +63,11 @@ TEST(CollisionBody, ACarriedLevelSetStaysWithinItsBound) {
     DrapeReport report;
     start(collision, body);
     std::vector<int> piece(static_cast<size_t>(body.vertex_count()));
-    for (int k = 1; k <= 10; ++k) {
+    for (int k = 1; k <= 20; ++k) {
         for (int v = 0; v < body.vertex_count(); ++v)
             piece[v] = collision.piece_near(collision.position().row(v).transpose(), v);
-        collision.move_to(test::bent(0.05 * k), false, collision.position(), report);
+        collision.move_to(test::bent(0.05 * k), report);
+        collision.fit_level_set(false, collision.position(), report);
         for (int v = 0; v < body.vertex_count(); v += 29) {
             const Eigen::Vector3d on_surface = collision.position().row(v).transpose();
             // Three times the bound on the way, and twice the coarser path grid's own smoothing.
@@ -73,8 +75,8 @@ TEST(CollisionBody, ACarriedLevelSetStaysWithinItsBound) {
                 << k << ": " << v;
         }
     }
-    EXPECT_GT(report.level_sets, 1);
-    EXPECT_LT(report.level_sets, 11) << "some steps are carried";
+    EXPECT_GT(report.level_sets, 0);
+    EXPECT_LT(report.level_sets, 20) << "some steps are carried";
 }
 
 TEST(CollisionBody, AnchorsMoveWithTheSurface) {
@@ -87,7 +89,7 @@ TEST(CollisionBody, AnchorsMoveWithTheSurface) {
     const Eigen::Vector3d start = body.rest_position.row(top).transpose() + Eigen::Vector3d(0, 0.003, 0);
     const Eigen::Vector3d local = collision.to_local(start, top);
     EXPECT_LT((collision.to_world(local, top) - start).norm(), 1e-12);
-    collision.move_to(test::bent(0.5), true, body.rest_position, report);
+    collision.move_to(test::bent(0.5), report);
     // The top follows the upper joint rigidly.
     const Eigen::Vector3d pivot(0, 0.5, 0);
     const Eigen::Vector3d expected = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()) * (start - pivot) + pivot;
