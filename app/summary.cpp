@@ -91,10 +91,13 @@ void print_drape(const simulate::DrapeResult& result, const std::string& path) {
     say("  largest speed    {:.2e} m/s; {:.1f} % of the vertices move", c.max_speed, 100 * c.moving_share);
     print_tries(result.tries);
     const simulate::DrapeReport& r = result.report;
-    say("  time             {:.2f} s: level set {:.2f}, contact {:.2f}, assembly {:.2f}, factor {:.2f}, certificate "
-        "{:.2f}",
-        c.seconds, r.level_set_seconds, r.contact_seconds, r.assembly_seconds, r.factor_seconds, r.certificate_seconds);
+    say("  time             {:.2f} s: level set {:.2f}, contact {:.2f}, self-contact {:.2f}, assembly {:.2f}, factor "
+        "{:.2f}, "
+        "line search {:.2f}, certificate {:.2f}",
+        c.seconds, r.level_set_seconds, r.contact_seconds, r.self_contact_seconds, r.assembly_seconds, r.factor_seconds,
+        r.line_search_seconds, r.certificate_seconds);
     say("  iterations       {} solver, {} path steps, {} level sets", r.iterations, r.path_steps, r.level_sets);
+    if (r.untangled > 0) say("  untangled        {} crossings of the start", r.untangled);
     if (c.tries > 1) say("  in all tries     {} solver, {} path steps", c.iterations, c.path_steps);
 }
 

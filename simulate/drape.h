@@ -46,6 +46,7 @@ struct DrapeReport {
     double level_set_seconds = 0, contact_seconds = 0, self_contact_seconds = 0, assembly_seconds = 0,
            factor_seconds = 0, line_search_seconds = 0, certificate_seconds = 0;
     int path_steps = 0, level_sets = 0, iterations = 0, line_search_halvings = 0;
+    int untangled = 0;  ///< crossings of edges with triangles that were taken out of the start
 };
 
 struct DrapeResult {

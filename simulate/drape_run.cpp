@@ -9,6 +9,7 @@
 #include "simulate/certificate.h"
 #include "simulate/self_intersection.h"
 #include "simulate/stopwatch.h"
+#include "simulate/untangle.h"
 #include "skin/surface_query.h"
 
 namespace toile::simulate {
@@ -46,8 +47,16 @@ DrapeRun::DrapeRun(const DrapeModel& shared) : shared_(shared), scene_(shared.sc
 }
 
 void DrapeRun::start(const Positions& x, const skin::Pose& neutral) {
-    if (body_) tie_to_body(x, neutral);
-    solver_->start(x);
+    Positions clear = x;
+    if (scene_.self_contact && x.allFinite()) {
+        // What crosses from the start would be kept crossing: no motion may pass through.
+        const Stopwatch watch(report_.self_contact_seconds);
+        const UntangleReport untangled =
+            untangle(scene_.mesh.triangle, shared_.topology, scene_.pinned, UntangleOptions{}, clear);
+        report_.untangled = untangled.crossings_before - untangled.crossings_after;
+    }
+    if (body_) tie_to_body(clear, neutral);
+    solver_->start(clear);
 }
 
 void DrapeRun::tie_to_body(const Positions& x, const skin::Pose& neutral) {
