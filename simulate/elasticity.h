@@ -62,7 +62,7 @@ class Elasticity {
     double bending_stiffness_ = 0.0;
     std::vector<FlatHinge> flat_hinge_;  // empty without bending; else one of the two is
     std::vector<FoldedHinge> folded_hinge_;
-    bool couples_opposite_ = true;  // of flat hinges, in the Hessian
+    bool couples_opposite_ = true;      // of flat hinges, in the Hessian
     std::vector<double> flat_hessian_;  // of all flat hinges: what each slot's identity is multiplied with
     Positions weight_;                  // force of gravity on each vertex [N]
 };
