@@ -10,9 +10,6 @@
 namespace toile {
 namespace {
 
-/// β of cloth/squeeze.h over the larger of the two axes' stiffnesses.
-constexpr double squeeze_ratio = 2.0;
-
 /// What a triangle's strain answers, per unit of pattern area.
 struct Response {
     Deformation deformation;  // F
@@ -48,7 +45,7 @@ Response respond(const MembraneStencil& stencil, const MembraneStiffness& c, con
 }
 
 Squeeze squeeze_of(const Response& r, const MembraneStiffness& c) {
-    return Squeeze(r.deformation, squeeze_ratio * std::max(c.uu, c.vv));
+    return Squeeze(r.deformation, Squeeze::ratio * std::max(c.uu, c.vv));
 }
 
 /// The positive semidefinite part of the symmetric matrix (a, b, c) = [[a, c], [c, b]], in the same order.

@@ -1,13 +1,9 @@
 #include "cloth/sparse_cholesky.h"
 
-#include <SuiteSparse_config.h>
 #include <cholmod.h>
-#include <malloc.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <cstring>
 
 #include "cloth/error.h"
 
@@ -27,34 +23,6 @@ void use_one_thread() {
     openblas_set_num_threads(1);
 }
 
-// OpenBLAS takes other paths, with other last bits, for arrays that start elsewhere in a cache line. CHOLMOD gets all
-// its memory at the start of one, so that a result does not depend on what was allocated before.
-constexpr std::size_t cache_line = 64;
-
-void* allocate(std::size_t size) {
-    return std::aligned_alloc(cache_line, (size + cache_line - 1) / cache_line * cache_line);
-}
-void* allocate_zeros(std::size_t count, std::size_t size) {
-    if (size != 0 && count > SIZE_MAX / size) return nullptr;
-    void* memory = allocate(count * size);
-    if (memory) std::memset(memory, 0, count * size);
-    return memory;
-}
-void* reallocate(void* old, std::size_t size) {
-    void* memory = allocate(size);
-    if (!memory || !old) return memory;
-    std::memcpy(memory, old, std::min(size, malloc_usable_size(old)));
-    std::free(old);
-    return memory;
-}
-
-void prepare_libraries() {
-    use_one_thread();
-    SuiteSparse_config.malloc_func = allocate;
-    SuiteSparse_config.calloc_func = allocate_zeros;
-    SuiteSparse_config.realloc_func = reallocate;
-}
-
 }  // namespace
 
 struct SparseCholesky::Impl {
@@ -67,7 +35,7 @@ struct SparseCholesky::Impl {
     size_t nonzeros = 0;
 
     Impl() {
-        static const bool once = (prepare_libraries(), true);
+        static const bool once = (use_one_thread(), true);
         static_cast<void>(once);
         cholmod_start(&common);
         common.supernodal = CHOLMOD_SUPERNODAL;

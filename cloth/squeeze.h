@@ -21,6 +21,7 @@ using Deformation = Eigen::Matrix<double, 3, 2>;
 class Squeeze {
   public:
     static constexpr double onset = 0.7;  ///< λ₀
+    static constexpr double ratio = 2.0;  ///< β over the larger of a membrane's two axes' stiffnesses
 
     /// Whether λ₂ < λ₀. Costs a few products; everything below need only be asked where it holds.
     static bool acts(const Deformation& deformation);

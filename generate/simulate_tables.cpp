@@ -100,7 +100,10 @@ void bind_level_set(ConfigTable& root, SceneConfig& config) {
     ConfigTable table = root.section("level_set", "the body as a distance field");
     table.real("voxel", config.level_set.voxel, {.lower = 0.001, .upper = 0.02, .unit = "m", .doc = "grid spacing"});
     table.real("error_bound", config.level_set.error_bound,
-               {.lower = 0.00001, .upper = 0.01, .unit = "m", .doc = "rebuilt before the surface is off by more"});
+               {.lower = 0.00001,
+                .upper = 0.01,
+                .unit = "m",
+                .doc = "on the way to a pose rebuilt before the surface is off by three times this"});
 }
 
 void bind_solver(ConfigTable& root, SceneConfig& config) {

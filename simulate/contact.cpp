@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "cloth/membrane.h"
+
 namespace toile::simulate {
 namespace {
 
@@ -14,13 +16,6 @@ constexpr double stick_softness = 0.1;
 constexpr double longest_stick = 3e-4;
 /// The normal force may waver by this factor before the spring follows it.
 constexpr double spring_tolerance = 4.0;
-
-double lumped_area(const ClothMesh& mesh, int f) {
-    const auto p = mesh.pattern_triangle.row(f);
-    const Eigen::RowVector2d u = mesh.pattern_position.row(p[1]) - mesh.pattern_position.row(p[0]);
-    const Eigen::RowVector2d v = mesh.pattern_position.row(p[2]) - mesh.pattern_position.row(p[0]);
-    return 0.5 * std::abs(u.x() * v.y() - u.y() * v.x());
-}
 
 }  // namespace
 
@@ -33,7 +28,7 @@ std::vector<ContactPoint> contact_points(const ClothMesh& mesh, const Topology& 
         points[mesh.vertex_count() + e] = {a, b, symbolic.slot(a, b), 0.0};
     }
     for (int f = 0; f < mesh.triangle_count(); ++f) {
-        const double share = lumped_area(mesh, f) / 6.0;
+        const double share = membrane_stencil(mesh, f).area / 6.0;
         for (int corner = 0; corner < 3; ++corner) {
             points[mesh.triangle(f, corner)].area += share;
             points[mesh.vertex_count() + topology.triangle_edge(f, corner)].area += share;

@@ -21,7 +21,8 @@ struct SelfContactOptions {
 /// The level set of the body.
 struct LevelSetOptions {
     double voxel = 0.006;        ///< grid spacing [m], 0.001 to 0.02
-    double error_bound = 0.001;  ///< the level set is rebuilt before the moving surface is off by more than this [m]
+    double error_bound = 0.001;  ///< the level set is rebuilt before the moving surface is off by more than three times
+                                 ///< this on the way to a pose [m]; at the pose itself it is always made anew
 };
 
 /// A horizontal plane the cloth rests on, normal +y.

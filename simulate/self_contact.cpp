@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "cloth/membrane.h"
+#include "simulate/certificate.h"
+
 namespace toile::simulate {
 namespace {
 
@@ -43,21 +46,16 @@ SelfContact::SelfContact(const ClothMesh& mesh, const Topology& topology, const 
       vertex_size_(Eigen::VectorXd::Constant(mesh.vertex_count(), options.thickness)),
       triangle_size_(Eigen::VectorXd::Constant(mesh.triangle_count(), options.thickness)),
       edge_size_(Eigen::VectorXd::Constant(topology.edge.rows(), options.thickness)),
-      rest_length_(Eigen::VectorXd::Zero(topology.edge.rows())),
+      rest_length_(edge_rest_lengths(mesh, topology)),
       candidates_(mesh.triangle, topology.edge) {
     for (int f = 0; f < mesh.triangle_count(); ++f) {
-        const auto p = mesh.pattern_triangle.row(f);
-        Eigen::Vector2d side[3];
-        for (int c = 0; c < 3; ++c)
-            side[c] =
-                (mesh.pattern_position.row(p[(c + 2) % 3]) - mesh.pattern_position.row(p[(c + 1) % 3])).transpose();
-        const double area = 0.5 * std::abs(side[0].x() * side[1].y() - side[0].y() * side[1].x());
+        const double area = membrane_stencil(mesh, f).area;
         double longest = 0.0;
         for (int c = 0; c < 3; ++c) {
-            longest = std::max(longest, side[c].norm());
+            const int edge = topology.triangle_edge(f, c);
+            longest = std::max(longest, rest_length_[edge]);
             vertex_area_[mesh.triangle(f, c)] += area / 3.0;
-            edge_area_[topology.triangle_edge(f, c)] += area / 3.0;
-            rest_length_[topology.triangle_edge(f, c)] = side[c].norm();
+            edge_area_[edge] += area / 3.0;
         }
         triangle_size_[f] = std::min(options.thickness, size_share * 2.0 * area / longest);
         for (int c = 0; c < 3; ++c) {

@@ -29,8 +29,7 @@ class SelfContact {
 
     /// Friction is against motion from x, smoothed for a step of `time_step` [s].
     void begin_step(const Positions& x, double time_step);
-    /// Finds what is near on the way from x to x + motion: where `energy` then knows all pairs. Call it before
-    /// `linearise`, with no motion to speak of.
+    /// Finds what is near x, if that is not known already. Call it before `linearise`.
     void look_around(const Positions& x);
     /// Shortens the motion of each vertex until nothing crosses on the way from x, and looks along what is left.
     /// Returns the smallest share that is left. `linearise` is done again, at x, where pairs had to be looked for.

@@ -13,8 +13,6 @@ namespace {
 /// A side of a triangle that is squeezed below this share of its length counts as that long where a step is sized: its
 /// strain's gradient vanishes, and Newton's step would throw its ends apart.
 constexpr double shortest_stretch = 0.5;
-/// β of cloth/squeeze.h over the larger of the two axes' stiffnesses, as in cloth/membrane.cpp.
-constexpr double squeeze_ratio = 2.0;
 /// A kept force whose direction lags behind by a step is stable up to q/m times its geometric stiffness of 4; this is
 /// for one triangle of those around a vertex.
 constexpr double largest_lag = 2.0;
@@ -112,7 +110,7 @@ struct SqueezeConstraint {
 
     SqueezeConstraint(const MembraneStiffness& c, const Deformation& f) {
         if (c.compression != Compression::full || !Squeeze::acts(f)) return;
-        const Squeeze squeeze(f, squeeze_ratio * std::max(c.uu, c.vv));
+        const Squeeze squeeze(f, Squeeze::ratio * std::max(c.uu, c.vv));
         if (!(squeeze.energy() > 0.0)) return;
         value = std::sqrt(2.0 * squeeze.energy());
         gradient = squeeze.stress() / value;
