@@ -26,7 +26,7 @@ struct DrapeScene {
     MembraneOptions membrane;
     std::optional<BendingOptions> bending;
     std::optional<StrainLimitOptions> strain_limit;  ///< `implicit` alone
-    std::optional<WindOptions> wind;                 ///< `implicit` alone
+    std::optional<WindOptions> wind;                 ///< not `xpbd`
     std::optional<ContactOptions> contact;           ///< required by body, table and sphere
     std::optional<SelfContactOptions> self_contact;
     std::optional<skin::Body> body;

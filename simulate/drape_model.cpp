@@ -23,8 +23,11 @@ const DrapeScene& checked(const DrapeScene& scene) {
     if (scene.solver.solver != "implicit") {
         const std::string only = " is known to the solver \"implicit\" alone";
         if (scene.strain_limit) throw Error("a strain limit" + only);
-        if (scene.wind) throw Error("wind" + only);
-        if (scene.bending && scene.bending->rest == BendingRest::start) throw Error("bending about the start" + only);
+    }
+    if (scene.solver.solver == "xpbd") {
+        if (scene.wind) throw Error("wind is unknown to the solver \"xpbd\"");
+        if (scene.bending && scene.bending->rest == BendingRest::start)
+            throw Error("bending about the start is unknown to the solver \"xpbd\"");
     }
     if (scene.solver.solver == "bullet" && scene.membrane.compression == Compression::tension_field)
         throw Error("a tension field is unknown to the solver \"bullet\"");
