@@ -25,9 +25,9 @@ struct DrapeScene {
     ClothMesh mesh;  ///< with masses; `rest_position` is where the neutral drape starts
     MembraneOptions membrane;
     std::optional<BendingOptions> bending;
-    std::optional<StrainLimitOptions> strain_limit;  ///< `implicit` alone
-    std::optional<WindOptions> wind;                 ///< not `xpbd`
-    std::optional<ContactOptions> contact;           ///< required by body, table and sphere
+    std::optional<StrainLimitOptions> strain_limit;  ///< unknown to `bullet`
+    std::optional<WindOptions> wind;
+    std::optional<ContactOptions> contact;  ///< required by body, table and sphere
     std::optional<SelfContactOptions> self_contact;
     std::optional<skin::Body> body;
     skin::SkinningMethod skinning = skin::SkinningMethod::linear;

@@ -21,14 +21,16 @@ FeatureThickness feature_thickness(const ClothMesh& mesh, const Topology& topolo
         double longest = 0.0;
         for (int c = 0; c < 3; ++c) longest = std::max(longest, rest_length[topology.triangle_edge(f, c)]);
         const double height = 2.0 * membrane_stencil(mesh, f).area / longest;
-        found.triangle[f] = std::min(thickness, size_share * height);
         for (int c = 0; c < 3; ++c) {
             double& vertex = found.vertex[mesh.triangle(f, c)];
-            double& edge = found.edge[topology.triangle_edge(f, c)];
-            vertex = std::min(vertex, found.triangle[f]);
-            edge = std::min(edge, found.triangle[f]);
+            vertex = std::min(vertex, size_share * height);
         }
     }
+    // What lies beyond a sliver is as near as the sliver is thin: all that meets one has to be as thin.
+    for (int f = 0; f < mesh.triangle_count(); ++f)
+        for (int c = 0; c < 3; ++c) found.triangle[f] = std::min(found.triangle[f], found.vertex[mesh.triangle(f, c)]);
+    for (int e = 0; e < topology.edge.rows(); ++e)
+        found.edge[e] = std::min(found.vertex[topology.edge(e, 0)], found.vertex[topology.edge(e, 1)]);
     return found;
 }
 

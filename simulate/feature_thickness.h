@@ -6,8 +6,9 @@
 namespace toile::simulate {
 
 /// The thickness that each feature of a cloth has against other features of the same cloth [m]: the wanted one, less on
-/// triangles whose least height is below twice that, so that a fine mesh at rest does not touch itself. A vertex and an
-/// edge have the least of their triangles; a pair of features keeps the lesser of the two.
+/// triangles whose least height is below twice that, so that a fine mesh at rest does not touch itself. A vertex has
+/// the least of its triangles, triangles and edges that of their vertices; a pair of features keeps the lesser of the
+/// two.
 struct FeatureThickness {
     Eigen::VectorXd vertex;    ///< `[V]`
     Eigen::VectorXd triangle;  ///< `[F]`

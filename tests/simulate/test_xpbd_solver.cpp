@@ -3,22 +3,15 @@
 #include <cmath>
 
 #include "simulate/xpbd_solver.h"
-#include "tests/simulate/cloth_square.h"
-#include "tests/simulate/pillar_body.h"
+#include "tests/support/drape_scenes.h"
 
 namespace toile::simulate {
 namespace {
 
 constexpr double edge_length = 0.05;
 
-/// Hung from two corners.
 DrapeScene hung_patch() {
-    DrapeScene scene;
-    scene.mesh = test::cloth_square(6, 0.3, 1.0);
-    scene.mesh.rest_position = test::crumpled(scene.mesh.rest_position, 0.0005);
-    scene.bending = BendingOptions{};
-    scene.pinned = {42, 48};
-    return scene;
+    return test::hanging_square(6, 0.3);
 }
 
 /// Over the top of a sphere without friction, held by two vertices in its middle: without them it would slide off, and
@@ -91,6 +84,36 @@ TEST(XpbdSolver, KeptForcesReachTheSameRest) {
     }
 }
 
+/// What a scene may ask for besides.
+std::vector<std::pair<std::string, DrapeScene>> hung_patches_with_more() {
+    std::vector<std::pair<std::string, DrapeScene>> scenes;
+    DrapeScene& blown = scenes.emplace_back("wind", hung_patch()).second;
+    blown.wind = WindOptions{};
+    blown.wind->velocity = {0.3, 0.0, 1.5};
+    DrapeScene& limited = scenes.emplace_back("strain limit", hung_patch()).second;
+    limited.membrane.warp_stiffness = limited.membrane.weft_stiffness = 20.0;
+    limited.membrane.shear_stiffness = 6.0;
+    limited.strain_limit = StrainLimitOptions{1.01, 1.01};
+    DrapeScene& folded = scenes.emplace_back("folds", hung_patch()).second;
+    for (int v = 0; v < folded.mesh.vertex_count(); ++v)
+        folded.mesh.rest_position(v, 1) += 0.02 * std::cos(20.0 * folded.mesh.rest_position(v, 0));
+    folded.bending = BendingOptions{1e-3, BendingRest::start};
+    return scenes;
+}
+
+TEST(XpbdSolver, RestsWhereImplicitDoesInWindAtALimitAndAboutAFoldedStart) {
+    for (const auto& [what, scene] : hung_patches_with_more()) {
+        const Positions implicit = drape_of(scene, "implicit", 1e-6, 2000);
+        DrapeScene without = scene;
+        without.wind.reset();
+        without.strain_limit.reset();
+        without.bending->rest = BendingRest::flat;
+        EXPECT_GT(largest_distance(drape_of(without, "implicit", 1e-6, 2000), implicit), 0.02 * edge_length)
+            << what << " must make a difference";
+        EXPECT_LT(largest_distance(drape_of(scene, "xpbd", 1e-5, 2000), implicit), 0.002 * edge_length) << what;
+    }
+}
+
 TEST(XpbdSolver, RestsWithinTheGateOfImplicit) {
     DrapeScene scene = hung_patch();
     scene.solver.solver = "xpbd";
@@ -101,23 +124,17 @@ TEST(XpbdSolver, RestsWithinTheGateOfImplicit) {
 }
 
 TEST(XpbdSolver, FollowsABendingBodyTheSameWayTwice) {
-    DrapeScene scene;
-    scene.mesh = test::cloth_square(8, 0.3, 1.01);
-    scene.mesh.rest_position = test::crumpled(scene.mesh.rest_position, 0.0005);
-    scene.bending = BendingOptions{};
-    scene.contact = ContactOptions{};
-    scene.body = test::pillar_body();
-    scene.level_set.voxel = 0.008;
+    DrapeScene scene = test::square_on_pillar(8);
     scene.ladder.tries = 0;
     scene.solver.solver = "xpbd";
     scene.solver.max_iterations = 100;
     const Draper draper(scene);
     const DrapeResult neutral = draper.drape_neutral();
-    const DrapeResult posed = draper.drape(neutral.position, test::bent(0.3));
+    const DrapeResult posed = draper.drape(neutral.position, skin::bent_pillar(0.3));
     EXPECT_LE(posed.certificate.body_penetration, 0.0005);
     const double moved = posed.position.col(0).mean() - neutral.position.col(0).mean();
     EXPECT_NEAR(moved, -0.5 * std::sin(0.3), 0.05) << "the pillar's top moves aside and the square with it";
-    EXPECT_EQ(draper.drape(neutral.position, test::bent(0.3)).position, posed.position);
+    EXPECT_EQ(draper.drape(neutral.position, skin::bent_pillar(0.3)).position, posed.position);
 }
 
 }  // namespace
