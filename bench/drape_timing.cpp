@@ -8,13 +8,12 @@
 #include <limits>
 
 #include "bench/factorisation_unit.h"
+#include "bench/figures.h"
 #include "cloth/error.h"
 #include "cloth/topology.h"
 
 namespace toile::bench {
 namespace {
-
-constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
 /// Processor time of this process so far, all threads [s].
 double processor_seconds() {

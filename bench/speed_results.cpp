@@ -1,18 +1,15 @@
 #include "bench/speed_results.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <iomanip>
-#include <limits>
 #include <ostream>
 #include <sstream>
 
+#include "bench/figures.h"
+
 namespace toile::bench {
 namespace {
-
-constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
 bool starts_with(const std::string& text, const std::string& start) {
     return text.compare(0, start.size(), start) == 0;
@@ -35,13 +32,6 @@ double target(const std::vector<std::string>& row) {
     return (row[4] == "alone" ? 3 : 1) * (row[3] == "backward" ? 0.1 : loose ? 0.4 : 1.0);
 }
 
-std::string number(double value, int digits = 3) {
-    if (std::isnan(value)) return "";
-    std::ostringstream text;
-    text << std::setprecision(digits) << value;
-    return text.str();
-}
-
 }  // namespace
 
 double SpeedResults::units(const std::string& row) const {
@@ -52,18 +42,11 @@ double SpeedResults::units(const std::string& row) const {
 }
 
 double SpeedResults::exponent(const std::string& name) const {
-    std::vector<double> size, time;
-    for (const auto& [key, row] : timing) {
-        if (!starts_with(key, "scaling/" + name + "/") || !row.refused.empty()) continue;
-        size.push_back(std::log(std::stod(parts_of(key).back())));
-        time.push_back(std::log(row.milliseconds));
-    }
-    if (size.size() < 2) return no_number;
-    Eigen::MatrixX2d line(size.size(), 2);
-    line.col(0).setOnes();
-    line.col(1) = Eigen::Map<Eigen::VectorXd>(size.data(), line.rows());
-    const Eigen::VectorXd fit = line.colPivHouseholderQr().solve(Eigen::Map<Eigen::VectorXd>(time.data(), line.rows()));
-    return fit[1];
+    std::vector<std::pair<double, double>> points;
+    for (const auto& [key, row] : timing)
+        if (starts_with(key, "scaling/" + name + "/") && row.refused.empty())
+            points.emplace_back(std::stod(parts_of(key).back()), row.milliseconds);
+    return scaling_exponent(points);
 }
 
 bool TimingCollector::ReportContext(const Context&) {
