@@ -39,9 +39,8 @@ XpbdState xpbd_step(const XpbdSystem& system, const XpbdParameters& parameters, 
     const XpbdMobility mobility = parameters.mobility();
     if (!parameters.keep_forces) forget_forces(system, state);
     const Positions start = state.position;
-    system.constraints.turn_forces(mobility, start, state.forces);
     Positions force = system.weight;
-    system.constraints.add_forces(start, state.forces, force);
+    system.constraints.begin(mobility, start, state.forces, force);
     for (size_t k = 0; k < system.contacts.size(); ++k) {
         system.contacts[k].begin(start, state.touches[k]);
         system.contacts[k].add_forces(state.touches[k], force);
