@@ -164,6 +164,25 @@ FoldGradient fold_gradient(const FoldStencil& stencil, double stiffness, const H
     return gradient;
 }
 
+FoldMeasure fold_measure(const FoldStencil& stencil, const HingePositions& x) {
+    FoldMeasure measure;
+    if (!has_angle(x)) return measure;
+    const Fold fold(x);
+    const double half = 0.5 * (fold.angle - stencil.rest_angle);
+    const Taper first(fold.first.length, stencil.taper[0]), second(fold.second.length, stencil.taper[1]);
+    const double size = std::sqrt(stencil.scale * first.value * second.value);
+    measure.value = 2.0 * size * std::sin(half);
+    measure.gradient = size * std::cos(half) * angle_gradient(fold);
+    const auto add_taper = [&](const Wing& wing, const Taper& taper, double sign, int apex) {
+        if (taper.slope != 0.0 && taper.value > 0.0)
+            add_length_gradient(fold.e, wing, sign, apex, 0.5 * measure.value * taper.slope / taper.value,
+                                measure.gradient);
+    };
+    add_taper(fold.first, first, 1.0, 2);
+    add_taper(fold.second, second, -1.0, 3);
+    return measure;
+}
+
 FoldHessian fold_hessian(const FoldStencil& stencil, double stiffness, const HingePositions& x) {
     if (!has_angle(x)) return FoldHessian::Zero();
     const Fold fold(x);

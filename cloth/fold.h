@@ -32,6 +32,13 @@ using FoldGradient = Eigen::Matrix<double, 12, 1>;  ///< vertex by vertex
 using FoldHessian = Eigen::Matrix<double, 12, 12>;
 
 double fold_energy(const FoldStencil& stencil, double stiffness, const HingePositions& x);
+/// c = 2 sin((θ − θ₀) / 2) √(|ē|² / (A_0 + A_1) m_0 m_1) and its gradient: E = ½ k c². Zero where a triangle has no
+/// area.
+struct FoldMeasure {
+    double value = 0.0;
+    FoldGradient gradient = FoldGradient::Zero();
+};
+FoldMeasure fold_measure(const FoldStencil& stencil, const HingePositions& x);
 FoldGradient fold_gradient(const FoldStencil& stencil, double stiffness, const HingePositions& x);
 /// Without the derivatives of m: exact where both triangles have more than a twentieth of their area.
 FoldHessian fold_hessian(const FoldStencil& stencil, double stiffness, const HingePositions& x);

@@ -25,8 +25,8 @@ struct DrapeScene {
     ClothMesh mesh;  ///< with masses; `rest_position` is where the neutral drape starts
     MembraneOptions membrane;
     std::optional<BendingOptions> bending;
-    std::optional<StrainLimitOptions> strain_limit;  ///< `implicit` alone
-    std::optional<WindOptions> wind;                 ///< `implicit` alone
+    std::optional<StrainLimitOptions> strain_limit;  ///< unknown to `bullet`
+    std::optional<WindOptions> wind;                 ///< unknown to `bullet`
     std::optional<ContactOptions> contact;           ///< required by body, table and sphere
     std::optional<SelfContactOptions> self_contact;
     std::optional<skin::Body> body;

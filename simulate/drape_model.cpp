@@ -20,14 +20,14 @@ const DrapeScene& checked(const DrapeScene& scene) {
         throw Error("every vertex of a garment to be draped needs a mass above 0");
     const bool touches = scene.body || scene.table || scene.sphere;
     if (touches && !scene.contact) throw Error("a scene with a body, a table or a sphere needs contact");
-    if (scene.solver.solver != "implicit") {
-        const std::string only = " is known to the solver \"implicit\" alone";
-        if (scene.strain_limit) throw Error("a strain limit" + only);
-        if (scene.wind) throw Error("wind" + only);
-        if (scene.bending && scene.bending->rest == BendingRest::start) throw Error("bending about the start" + only);
+    if (scene.solver.solver == "bullet") {
+        const std::string unknown = " is unknown to the solver \"bullet\"";
+        if (scene.strain_limit) throw Error("a strain limit" + unknown);
+        if (scene.wind) throw Error("wind" + unknown);
+        if (scene.bending && scene.bending->rest == BendingRest::start)
+            throw Error("bending about the start" + unknown);
+        if (scene.membrane.compression == Compression::tension_field) throw Error("a tension field" + unknown);
     }
-    if (scene.solver.solver == "bullet" && scene.membrane.compression == Compression::tension_field)
-        throw Error("a tension field is unknown to the solver \"bullet\"");
     for (int v : scene.pinned)
         if (v < 0 || v >= scene.mesh.vertex_count())
             throw Error("pinned vertex " + std::to_string(v) + " does not exist");

@@ -29,6 +29,9 @@ class Elasticity {
     /// Looks up where each stencil's blocks go; call once with the matrix' graph.
     void bind(const BlockSymbolic& symbolic);
 
+    /// With the stiffness that the garment's weight asks for, if the scene has one.
+    const std::optional<StrainLimit>& strain_limit() const { return strain_limit_; }
+
     double energy(const Positions& x) const;
     void add_gradient(const Positions& x, Positions& gradient) const;
     /// The projected Hessian, positive semidefinite. (On garments the true one was indefinite in two iterations of

@@ -100,6 +100,7 @@ bool SelfContact::covers(const Positions& x, double reach) const {
 
 double SelfContact::search(const Positions& x, const Positions& motion) {
     double share = 1.0;
+    ++searches_;
     found_around_ = 4.0 * largest_norm(motion) <= margin_;
     if (found_around_) {
         candidates_.find(x, margin_, found_);
@@ -116,18 +117,18 @@ void SelfContact::look_around(const Positions& x) {
 }
 
 bool SelfContact::is_known_safe(const Positions& x, const Positions& motion) const {
-    return covers(x, largest_norm(motion)) && safe_share(x, motion) >= 1.0;
+    return covers(x, largest_norm(motion)) && safe_share(pairs_, x, motion) >= 1.0;
 }
 
 double SelfContact::limit(const Positions& x, Positions& motion) {
-    if (covers(x, largest_norm(motion))) return shorten_zones(x, motion);
+    if (covers(x, largest_norm(motion))) return limit_among(pairs_, x, motion);
     const Positions whole = motion;
     double left = 1.0;
     // Pairs that move alike are not looked for; once one of the two is shortened they may meet, so look again.
     for (int round = 0; round < most_searches; ++round) {
         const double searched = search(x, motion);
         motion *= searched;
-        const double share = searched * shorten_zones(x, motion);
+        const double share = searched * limit_among(pairs_, x, motion);
         left *= share;
         if (share >= 1.0) {
             linearise(x);
@@ -145,7 +146,7 @@ double SelfContact::limit_alike(const Positions& x, Positions& motion) {
         motion *= searched;
         linearise(x);
     }
-    const double share = safe_share(x, motion);
+    const double share = safe_share(pairs_, x, motion);
     motion *= share;
     return searched * share;
 }
@@ -153,6 +154,11 @@ double SelfContact::limit_alike(const Positions& x, Positions& motion) {
 Proximity SelfContact::proximity(const Pair& pair, const Positions& x) const {
     const FourPoints points = gather(x, pair.point);
     return pair.edges ? edge_edge_proximity(points) : vertex_triangle_proximity(points);
+}
+
+double SelfContact::fade(size_t index, const Positions& x) const {
+    const Pair& pair = pairs_[index];
+    return pair.edges ? parallel_mollifier(gather(x, pair.point), fade_[index]).value : 1.0;
 }
 
 double SelfContact::pair_safe_share(const Pair& pair, const Positions& x, const Positions& motion,
@@ -167,7 +173,7 @@ double SelfContact::pair_safe_share(const Pair& pair, const Positions& x, const 
                       : vertex_triangle_safe_share(points, moves, options);
 }
 
-double SelfContact::shorten_zones(const Positions& x, Positions& motion) const {
+double SelfContact::limit_among(const std::vector<Pair>& pairs, const Positions& x, Positions& motion) const {
     const Positions whole = motion;
     Eigen::VectorXd share = Eigen::VectorXd::Ones(x.rows());
     Eigen::VectorXd length = motion.rowwise().norm();
@@ -175,7 +181,7 @@ double SelfContact::shorten_zones(const Positions& x, Positions& motion) const {
     double smallest = 1.0;
     for (int round = 1; round <= most_rounds; ++round) {
         bool any = false;
-        for (const Pair& pair : pairs_) {
+        for (const Pair& pair : pairs) {
             if (round > 1) {
                 bool changed = false;
                 for (int v : pair.point) changed |= shortened_in[v] >= round - 1;
@@ -200,15 +206,15 @@ double SelfContact::shorten_zones(const Positions& x, Positions& motion) const {
         }
         if (!any) return smallest;
     }
-    smallest = safe_share(x, whole);
+    smallest = safe_share(pairs, x, whole);
     motion = smallest * whole;
     return smallest;
 }
 
-double SelfContact::safe_share(const Positions& x, const Positions& motion) const {
+double SelfContact::safe_share(const std::vector<Pair>& pairs, const Positions& x, const Positions& motion) const {
     const Eigen::VectorXd length = motion.rowwise().norm();
     double smallest = 1.0;
-    for (const Pair& pair : pairs_) smallest = std::min(smallest, pair_safe_share(pair, x, motion, length));
+    for (const Pair& pair : pairs) smallest = std::min(smallest, pair_safe_share(pair, x, motion, length));
     return smallest;
 }
 
@@ -236,7 +242,7 @@ void SelfContact::linearise(const Positions& x) {
         if (!(depth > 0.0) || !(pair.distance > 0.0)) continue;
         Touch touch{pair.point,          near.weight, near.difference / pair.distance, 0.0, 0.0, {}, 0.0,
                     static_cast<int>(k), 1.0};
-        if (pair.edges) touch.fade = parallel_mollifier(gather(x, pair.point), fade_[k]).value;
+        touch.fade = fade(k, x);
         const Pressure pressure = pressure_at(pair, pair.distance);
         touch.force = touch.fade * pressure.force;
         touch.slope = touch.fade * pressure.slope;
@@ -274,7 +280,7 @@ double SelfContact::energy(const Positions& x) const {
         const double first = pair.edges ? std::max(moved[p[0]], moved[p[1]]) : moved[p[0]];
         const double other = std::max({pair.edges ? 0.0 : moved[p[1]], moved[p[2]], moved[p[3]]});
         if (pair.distance - first - other >= pair.thickness) continue;
-        if (!touched && pair.edges) fade = parallel_mollifier(gather(linearised_at_, pair.point), fade_[k]).value;
+        if (!touched && pair.edges) fade = this->fade(k, linearised_at_);
         const double distance = proximity(pair, x).distance();
         if (distance < pair.thickness) energy += fade * pressure_at(pair, distance).energy;
     }

@@ -25,6 +25,17 @@ namespace toile::simulate {
 /// collision detection finds it safe.
 class SelfContact {
   public:
+    struct Pair {
+        std::array<int, 4> point;
+        bool edges;        // edge–edge, else vertex–triangle
+        double area;       // [m^2]
+        double thickness;  // [m]
+        double distance;   // at the last linearise, or less [m]
+    };
+    struct Pressure {
+        double energy, force, slope;  // [J], [N], [N/m]
+    };
+
     SelfContact(const ClothMesh& mesh, const Topology& topology, const SelfContactOptions& options, double pressure);
 
     /// Friction is against motion from x, smoothed for a step of `time_step` [s].
@@ -50,14 +61,20 @@ class SelfContact {
     /// Positive semidefinite.
     void add_hessian(BlockValues& hessian) const;
 
+    /// What a solver needs that keeps forces itself: all pairs within reach of the last search, in the search's order.
+    const std::vector<Pair>& pairs() const { return pairs_; }
+    /// How many searches there were: `pairs` changes with each.
+    int searches() const { return searches_; }
+    const SelfContactOptions& options() const { return options_; }
+    Proximity proximity(const Pair& pair, const Positions& x) const;
+    /// What pair `index` of `pairs` is faded to, 1 but for edges that turn parallel.
+    double fade(size_t index, const Positions& x) const;
+    /// Without the fade.
+    Pressure pressure_at(const Pair& pair, double distance) const;
+    /// As `limit`, among these pairs alone.
+    double limit_among(const std::vector<Pair>& pairs, const Positions& x, Positions& motion) const;
+
   private:
-    struct Pair {
-        std::array<int, 4> point;
-        bool edges;        // edge–edge, else vertex–triangle
-        double area;       // [m^2]
-        double thickness;  // [m]
-        double distance;   // at the last linearise [m]
-    };
     struct Touch {
         std::array<int, 4> point;
         std::array<double, 4> weight;
@@ -72,13 +89,7 @@ class SelfContact {
     /// Returns the share of the motion that it looked along.
     double search(const Positions& x, const Positions& motion);
     void collect(const Positions& x);
-    double shorten_zones(const Positions& x, Positions& motion) const;
-    double safe_share(const Positions& x, const Positions& motion) const;
-    struct Pressure {
-        double energy, force, slope;  // [J], [N], [N/m]
-    };
-    Pressure pressure_at(const Pair& pair, double distance) const;
-    Proximity proximity(const Pair& pair, const Positions& x) const;
+    double safe_share(const std::vector<Pair>& pairs, const Positions& x, const Positions& motion) const;
     /// `length` `[V]` of each vertex' motion; the pair's distance is that at x.
     double pair_safe_share(const Pair& pair, const Positions& x, const Positions& motion,
                            const Eigen::VectorXd& length) const;
@@ -95,6 +106,7 @@ class SelfContact {
     Positions found_at_;         // where pairs_ were looked for
     bool found_around_ = false;  // ... or along a motion from there
     double margin_ = 0.001;      // [m]
+    int searches_ = 0;
     Positions before_;
     double smoothing_ = 0.0;  // of friction [m]
     std::vector<Touch> touches_;

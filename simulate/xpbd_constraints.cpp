@@ -118,38 +118,76 @@ struct SqueezeConstraint {
     bool acts() const { return value > 0.0; }
 };
 
+/// One number's constraint, of energy ½ `stiffness` C²: its force becomes stiffness times C, and the vertices move
+/// along the columns of C's gradient.
+template <int N>
+void mend(const XpbdMobility& mobility, const int (&vertex)[N], double stiffness, double value,
+          const Eigen::Matrix<double, 3, N>& gradient, double& force, Positions& x) {
+    double yield = 0.0;
+    for (int i = 0; i < N; ++i) yield += mobility.inverse_mass[vertex[i]] * gradient.col(i).squaredNorm();
+    const double q = mobility.squared_time;
+    const double change = (stiffness * value - force) / (1.0 + q * stiffness * yield);
+    force += change;
+    for (int i = 0; i < N; ++i)
+        x.row(vertex[i]) -= q * change * mobility.inverse_mass[vertex[i]] * gradient.col(i).transpose();
+}
+
+/// u + c u² = free, where that is positive: what is left of it once a force that grows with u² has acted.
+double left_beyond(double free, double c) {
+    return free > 0.0 ? 2.0 * free / (1.0 + std::sqrt(1.0 + 4.0 * c * free)) : 0.0;
+}
+
+template <class Hinge>
+HingePositions corners_of(const Hinge& hinge, const Positions& x) {
+    HingePositions corners;
+    for (int i = 0; i < 4; ++i) corners.col(i) = x.row(hinge.vertex[i]).transpose();
+    return corners;
+}
+
 }  // namespace
 
 XpbdConstraints::XpbdConstraints(const ClothMesh& mesh, const Topology& topology, const MembraneOptions& membrane,
-                                 const std::optional<BendingOptions>& bending)
+                                 const std::optional<BendingOptions>& bending,
+                                 const std::optional<StrainLimit>& strain_limit)
     : stiffness_(MembraneStiffness::from_moduli(membrane.weft_stiffness, membrane.warp_stiffness,
                                                 membrane.shear_stiffness, membrane.poisson_ratio,
-                                                membrane.compression)) {
+                                                membrane.compression)),
+      strain_limit_(strain_limit) {
     for (int f = 0; f < mesh.triangle_count(); ++f) {
         const auto t = mesh.triangle.row(f);
         triangle_.push_back({{t[0], t[1], t[2]}, membrane_stencil(mesh, f)});
     }
-    if (!bending) return;
+    if (bending) add_hinges(mesh, topology, *bending);
+}
+
+void XpbdConstraints::add_hinges(const ClothMesh& mesh, const Topology& topology, const BendingOptions& options) {
+    bending_stiffness_ = options.stiffness;
     const auto hinges = build_hinges(topology, mesh.triangle);
     int h = 0;
     for (int e = 0; e < topology.edge.rows(); ++e) {
         if (topology.edge_triangle(e, 1) < 0) continue;
         const auto v = hinges.row(h++);
-        const BendingStencil stencil =
-            bending_stencil(mesh, v.transpose(), topology.edge_triangle(e, 0), topology.edge_triangle(e, 1));
+        const int first = topology.edge_triangle(e, 0), second = topology.edge_triangle(e, 1);
+        if (options.rest == BendingRest::start) {
+            folded_hinge_.push_back({{v[0], v[1], v[2], v[3]}, fold_stencil(mesh, v.transpose(), first, second)});
+            continue;
+        }
+        const BendingStencil stencil = bending_stencil(mesh, v.transpose(), first, second);
         Hinge& hinge = hinge_.emplace_back();
         for (int i = 0; i < 4; ++i) {
             hinge.vertex[i] = v[i];
             hinge.weight[i] = stencil.weight[i];
         }
-        hinge.stiffness = bending->stiffness * stencil.scale;
+        hinge.stiffness = options.stiffness * stencil.scale;
     }
 }
 
 XpbdForces XpbdConstraints::no_forces() const {
     return {Positions::Zero(static_cast<int>(triangle_.size()), 3),
             Eigen::VectorXd::Zero(static_cast<int>(triangle_.size())),
-            Positions::Zero(static_cast<int>(hinge_.size()), 3)};
+            PlanePositions::Zero(strain_limit_ ? static_cast<int>(triangle_.size()) : 0, 2),
+            Positions::Zero(static_cast<int>(hinge_.size()), 3),
+            Eigen::VectorXd::Zero(static_cast<int>(folded_hinge_.size()))};
 }
 
 void XpbdConstraints::add_forces(const Positions& start, const XpbdForces& forces, Positions& total) const {
@@ -158,14 +196,22 @@ void XpbdConstraints::add_forces(const Positions& start, const XpbdForces& force
         const Deformation f = deformation_of(triangle, start);
         Deformation flux = flux_of(f, forces.membrane.row(k));
         if (forces.squeeze[k] != 0.0) flux += forces.squeeze[k] * SqueezeConstraint(stiffness_, f).gradient;
+        if (strain_limit_)
+            for (int axis = 0; axis < 2; ++axis) flux.col(axis) += forces.limit(k, axis) * f.col(axis).normalized();
         for (int i = 0; i < 3; ++i)
             total.row(triangle.vertex[i]) -= (flux * triangle.stencil.corner_gradient.row(i).transpose()).transpose();
     }
     for (size_t k = 0; k < hinge_.size(); ++k)
         for (int i = 0; i < 4; ++i) total.row(hinge_[k].vertex[i]) -= hinge_[k].weight[i] * forces.bending.row(k);
+    for (size_t k = 0; k < folded_hinge_.size(); ++k) {
+        const FoldMeasure measure = fold_measure(folded_hinge_[k].stencil, corners_of(folded_hinge_[k], start));
+        for (int i = 0; i < 4; ++i)
+            total.row(folded_hinge_[k].vertex[i]) -= forces.folding[k] * measure.gradient.segment<3>(3 * i).transpose();
+    }
 }
 
-void XpbdConstraints::follow_forces(const XpbdMobility& mobility, const XpbdForces& reached, XpbdForces& kept) const {
+void XpbdConstraints::follow_forces(const XpbdMobility& mobility, const Positions& x, const XpbdForces& reached,
+                                    XpbdForces& kept) const {
     const double q = mobility.squared_time;
     for (size_t k = 0; k < triangle_.size(); ++k) {
         const Triangle& triangle = triangle_[k];
@@ -174,6 +220,11 @@ void XpbdConstraints::follow_forces(const XpbdMobility& mobility, const XpbdForc
         const double stiff = q * triangle.stencil.area * (c.uu * g(0, 0) + c.vv * g(1, 1) + c.shear * g.trace());
         kept.membrane.row(k) += kept_share(stiff) * (reached.membrane.row(k) - kept.membrane.row(k));
         kept.squeeze[k] += kept_share(stiff) * (reached.squeeze[k] - kept.squeeze[k]);
+        for (int axis = 0; strain_limit_ && axis < 2; ++axis) {
+            const double slope = 2.0 * std::sqrt(limit_stiffness(triangle) * reached.limit(k, axis));
+            kept.limit(k, axis) +=
+                kept_share(q * slope * g(axis, axis)) * (reached.limit(k, axis) - kept.limit(k, axis));
+        }
     }
     for (size_t k = 0; k < hinge_.size(); ++k) {
         double squared_weight = 0.0;
@@ -181,6 +232,15 @@ void XpbdConstraints::follow_forces(const XpbdMobility& mobility, const XpbdForc
             squared_weight += mobility.inverse_mass[hinge_[k].vertex[i]] * hinge_[k].weight[i] * hinge_[k].weight[i];
         kept.bending.row(k) +=
             kept_share(q * hinge_[k].stiffness * squared_weight) * (reached.bending.row(k) - kept.bending.row(k));
+    }
+    for (size_t k = 0; k < folded_hinge_.size(); ++k) {
+        const FoldedHinge& hinge = folded_hinge_[k];
+        const FoldMeasure measure = fold_measure(hinge.stencil, corners_of(hinge, x));
+        double yield = 0.0;
+        for (int i = 0; i < 4; ++i)
+            yield += mobility.inverse_mass[hinge.vertex[i]] * measure.gradient.segment<3>(3 * i).squaredNorm();
+        const double stiff = q * bending_stiffness_ * yield;
+        kept.folding[k] += kept_share(stiff) * (reached.folding[k] - kept.folding[k]);
     }
 }
 
@@ -216,16 +276,37 @@ void XpbdConstraints::sweep_squeeze(const XpbdMobility& mobility, const Triangle
     if (!now.acts() && force == 0.0) return;
     const SqueezeConstraint begun(stiffness_, deformation_of(triangle, start));
     const Deformation& direction = begun.acts() ? begun.gradient : now.gradient;
-    const double q = mobility.squared_time, area = triangle.stencil.area;
-    Eigen::Matrix3d move = direction * triangle.stencil.corner_gradient.transpose();  // columns: of the corners
-    double yield = 0.0;
-    for (int i = 0; i < 3; ++i) {
-        yield += mobility.inverse_mass[triangle.vertex[i]] * move.col(i).squaredNorm();
-        move.col(i) *= mobility.inverse_mass[triangle.vertex[i]];
+    const Eigen::Matrix3d gradient = direction * triangle.stencil.corner_gradient.transpose();
+    mend<3>(mobility, triangle.vertex, triangle.stencil.area, now.value, gradient, force, x);
+}
+
+void XpbdConstraints::sweep_limit(const XpbdMobility& mobility, const Triangle& triangle, const Positions& start,
+                                  Eigen::Ref<Eigen::RowVector2d> force, Positions& x) const {
+    const auto& gradient = triangle.stencil.corner_gradient;
+    const double q = mobility.squared_time, stiffness = limit_stiffness(triangle);
+    for (int axis = 0; axis < 2; ++axis) {
+        const double length = (deformation_of(triangle, x).col(axis)).norm();
+        const double beyond = length - (axis == 0 ? strain_limit_->u : strain_limit_->v);
+        if (!(beyond > 0.0) && force[axis] == 0.0) continue;
+        const Eigen::Vector3d begun = deformation_of(triangle, start).col(axis);
+        double yield = 0.0;
+        for (int i = 0; i < 3; ++i)
+            yield += q * mobility.inverse_mass[triangle.vertex[i]] * gradient(i, axis) * gradient(i, axis);
+        const double left = left_beyond(beyond + yield * force[axis], yield * stiffness);
+        const double change = stiffness * left * left - force[axis];
+        force[axis] += change;
+        const Eigen::RowVector3d along = begun.normalized().transpose();
+        for (int i = 0; i < 3; ++i)
+            x.row(triangle.vertex[i]) -=
+                q * mobility.inverse_mass[triangle.vertex[i]] * change * gradient(i, axis) * along;
     }
-    const double change = (area * now.value - force) / (1.0 + q * area * yield);
-    force += change;
-    for (int i = 0; i < 3; ++i) x.row(triangle.vertex[i]) -= q * change * move.col(i).transpose();
+}
+
+void XpbdConstraints::sweep_folded(const XpbdMobility& mobility, const FoldedHinge& hinge, double& force,
+                                   Positions& x) const {
+    const FoldMeasure measure = fold_measure(hinge.stencil, corners_of(hinge, x));
+    const Eigen::Map<const HingePositions> gradient(measure.gradient.data());
+    mend<4>(mobility, hinge.vertex, bending_stiffness_, measure.value, gradient, force, x);
 }
 
 double XpbdConstraints::lag(const XpbdMobility& mobility, const Triangle& triangle, const Eigen::RowVector3d& force) {
@@ -235,12 +316,18 @@ double XpbdConstraints::lag(const XpbdMobility& mobility, const Triangle& triang
     return mobility.squared_time * spectral_norm(force) * most * slope.sum();
 }
 
-void XpbdConstraints::add_stiffness(const XpbdForces& forces, Eigen::VectorXd& stiffness) const {
+void XpbdConstraints::add_stiffness(const Positions& x, const XpbdForces& forces, Eigen::VectorXd& stiffness) const {
     const double stiffest = std::max({stiffness_.uu, stiffness_.vv, stiffness_.shear});
     for (size_t k = 0; k < triangle_.size(); ++k) {
         const Triangle& triangle = triangle_[k];
         const Eigen::Vector3d slope = triangle.stencil.corner_gradient.rowwise().norm();
-        const double both = triangle.stencil.area * stiffest + turning_weight * spectral_norm(forces.membrane.row(k));
+        double both = triangle.stencil.area * stiffest + turning_weight * spectral_norm(forces.membrane.row(k));
+        if (strain_limit_) {
+            const Deformation f = deformation_of(triangle, x);
+            const double beyond = std::max(f.col(0).norm() - strain_limit_->u, f.col(1).norm() - strain_limit_->v);
+            both +=
+                2.0 * limit_stiffness(triangle) * std::max(0.0, beyond) + turning_weight * forces.limit.row(k).sum();
+        }
         for (int i = 0; i < 3; ++i) stiffness[triangle.vertex[i]] += both * slope.sum() * slope[i];
     }
     for (const Hinge& hinge : hinge_) {
@@ -248,12 +335,22 @@ void XpbdConstraints::add_stiffness(const XpbdForces& forces, Eigen::VectorXd& s
         for (double weight : hinge.weight) sum += std::abs(weight);
         for (int i = 0; i < 4; ++i) stiffness[hinge.vertex[i]] += hinge.stiffness * sum * std::abs(hinge.weight[i]);
     }
+    for (const FoldedHinge& hinge : folded_hinge_) {
+        const FoldMeasure measure = fold_measure(hinge.stencil, corners_of(hinge, x));
+        double size[4], sum = 0.0;
+        for (int i = 0; i < 4; ++i) sum += size[i] = measure.gradient.segment<3>(3 * i).norm();
+        for (int i = 0; i < 4; ++i) stiffness[hinge.vertex[i]] += bending_stiffness_ * sum * size[i];
+    }
 }
 
 void XpbdConstraints::turn_forces(const XpbdMobility& mobility, const Positions& start, XpbdForces& forces) const {
     for (size_t k = 0; k < triangle_.size(); ++k) {
         const double lagging = lag(mobility, triangle_[k], forces.membrane.row(k));
         if (lagging > largest_lag) forces.membrane.row(k) *= largest_lag / lagging;
+        for (int axis = 0; strain_limit_ && axis < 2; ++axis) {
+            const double also = lag(mobility, triangle_[k], {forces.limit(k, axis), 0.0, 0.0});
+            if (also > largest_lag) forces.limit(k, axis) *= largest_lag / also;
+        }
     }
     for (size_t k = 0; k < hinge_.size(); ++k)
         forces.bending.row(k) = along(curvature_of(hinge_[k], start), forces.bending.row(k));
@@ -279,8 +376,10 @@ void XpbdConstraints::sweep(const XpbdMobility& mobility, const Positions& start
         sweep_triangle(mobility, triangle_[k], start, forces.membrane.row(k), x);
         if (stiffness_.compression == Compression::full)
             sweep_squeeze(mobility, triangle_[k], start, forces.squeeze[k], x);
+        if (strain_limit_) sweep_limit(mobility, triangle_[k], start, forces.limit.row(k), x);
     }
     for (size_t k = 0; k < hinge_.size(); ++k) sweep_hinge(mobility, hinge_[k], start, forces.bending.row(k), x);
+    for (size_t k = 0; k < folded_hinge_.size(); ++k) sweep_folded(mobility, folded_hinge_[k], forces.folding[k], x);
 }
 
 }  // namespace toile::simulate

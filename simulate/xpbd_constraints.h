@@ -5,7 +5,9 @@
 
 #include "cloth/bending.h"
 #include "cloth/cloth_mesh.h"
+#include "cloth/fold.h"
 #include "cloth/membrane.h"
+#include "cloth/strain_limit.h"
 #include "cloth/topology.h"
 #include "simulate/material.h"
 
@@ -16,7 +18,9 @@ namespace toile::simulate {
 struct XpbdForces {
     Positions membrane;       ///< `[F x 3]` pattern area times second Piola-Kirchhoff stress (uu, vv, uv) [N m]
     Eigen::VectorXd squeeze;  ///< `[F]` pattern area times the root of twice cloth/squeeze.h's energy
-    Positions bending;        ///< `[H x 3]` stiffness times Σ w x of each hinge [N]
+    PlanePositions limit;     ///< `[F x 2]` pattern area times the strain limit's tension [N m], `[0 x 2]` without one
+    Positions bending;        ///< `[H x 3]` stiffness times Σ w x of each hinge that is flat at rest [N]
+    Eigen::VectorXd folding;  ///< `[K]` stiffness times measure (cloth/fold.h) of each hinge that is folded at rest
 };
 
 /// How a step of length h with damping α turns a force on a vertex into a move: q times its inverse mass.
@@ -34,23 +38,27 @@ struct XpbdMobility {
 /// which for constant D is eq. 18 with compliance D⁻¹, and which also knows membranes that have no stiffness in some
 /// direction. J is taken where the step began, as in SHAKE: forces then have no torque about the positions they
 /// started from, so that a step keeps angular momentum to rounding; it is taken at x, as published, where a force is so
-/// large that a direction that lags by a step would not be stable.
+/// large that a direction that lags by a step would not be stable. Squeeze and folds, energies A ½ C² of
+/// one number C, have one multiplier each; the strain limit has one for each axis, and its cubic energy is minimised
+/// exactly.
 class XpbdConstraints {
   public:
     XpbdConstraints(const ClothMesh& mesh, const Topology& topology, const MembraneOptions& membrane,
-                    const std::optional<BendingOptions>& bending);
+                    const std::optional<BendingOptions>& bending,
+                    const std::optional<StrainLimit>& strain_limit = std::nullopt);
 
     XpbdForces no_forces() const;
     /// Adds a bound on the stiffness that each vertex meets `[V]` [N/m]: the row sums, without signs, of the energy's
     /// Hessian in the rest state and of what the forces resist to turning.
-    void add_stiffness(const XpbdForces& forces, Eigen::VectorXd& stiffness) const;
+    void add_stiffness(const Positions& x, const XpbdForces& forces, Eigen::VectorXd& stiffness) const;
     /// Makes forces of an earlier step fit to start from: those that are too large to lag behind by a step are scaled
     /// down, each triangle's for itself, and hinges' are turned along their curvature.
     void turn_forces(const XpbdMobility& mobility, const Positions& start, XpbdForces& forces) const;
     /// Adds each block's −Jᵀ s to the forces on the vertices `[V x 3]` [N].
     void add_forces(const Positions& start, const XpbdForces& forces, Positions& total) const;
-    /// Lets the forces that the next step starts from follow those that this step reached.
-    void follow_forces(const XpbdMobility& mobility, const XpbdForces& reached, XpbdForces& kept) const;
+    /// Lets the forces that the next step starts from follow those that this step reached at x.
+    void follow_forces(const XpbdMobility& mobility, const Positions& x, const XpbdForces& reached,
+                       XpbdForces& kept) const;
     /// One Gauss-Seidel sweep over all blocks in the order of their indices.
     void sweep(const XpbdMobility& mobility, const Positions& start, XpbdForces& forces, Positions& x) const;
 
@@ -64,8 +72,20 @@ class XpbdConstraints {
         double weight[4];
         double stiffness;  // energy is half of it times |Σ w x|² [N/m]
     };
+    struct FoldedHinge {
+        int vertex[4];
+        FoldStencil stencil;
+    };
+    void add_hinges(const ClothMesh& mesh, const Topology& topology, const BendingOptions& options);
     void sweep_squeeze(const XpbdMobility& mobility, const Triangle& triangle, const Positions& start, double& force,
                        Positions& x) const;
+    void sweep_limit(const XpbdMobility& mobility, const Triangle& triangle, const Positions& start,
+                     Eigen::Ref<Eigen::RowVector2d> force, Positions& x) const;
+    /// Of a tension that grows with the square of what is beyond the limit [N m].
+    double limit_stiffness(const Triangle& triangle) const {
+        return 0.5 * triangle.stencil.area * strain_limit_->stiffness;
+    }
+    void sweep_folded(const XpbdMobility& mobility, const FoldedHinge& hinge, double& force, Positions& x) const;
     static double lag(const XpbdMobility& mobility, const Triangle& triangle, const Eigen::RowVector3d& force);
     void sweep_triangle(const XpbdMobility& mobility, const Triangle& triangle, const Positions& start,
                         Eigen::Ref<Eigen::RowVector3d> force, Positions& x) const;
@@ -74,7 +94,10 @@ class XpbdConstraints {
 
     MembraneStiffness stiffness_;
     std::vector<Triangle> triangle_;
-    std::vector<Hinge> hinge_;
+    std::optional<StrainLimit> strain_limit_;
+    std::vector<Hinge> hinge_;  // one of the two is empty
+    std::vector<FoldedHinge> folded_hinge_;
+    double bending_stiffness_ = 0.0;
 };
 
 }  // namespace toile::simulate

@@ -11,6 +11,9 @@ namespace {
 /// No vertex moves further in one small step than the level set's band is deep, or it could pass through a limb unseen
 /// [m].
 constexpr double largest_move = 0.01;
+/// Where the cloth feels itself, no further than this share of the thickness: normals are those of a step's beginning,
+/// and layers that the carrying solids press into each other part slowly instead of flying apart.
+constexpr double largest_share = 0.5;
 /// While settling no vertex is lighter than makes q/m times its stiffness this. The first value is for coming near
 /// rest, stiff cloth being soft as sweeps do not get through it; it falls with each stop and settling step to the last,
 /// where almost all forces are kept and rest is exact.
@@ -20,11 +23,16 @@ constexpr double first_relative_stiffness = 1000.0, last_relative_stiffness = 5.
 /// Small steps for measuring a speed over those of a time step.
 constexpr int speed_refinement = 8;
 
+Positions weight_of(const DrapeScene& scene) {
+    return scene.mesh.mass * scene.solver.gravity.transpose();
+}
+
 XpbdSystem make_system(const DrapeModel& model, const std::vector<Contact*>& contacts) {
     const DrapeScene& scene = model.scene;
-    XpbdSystem system{XpbdConstraints(scene.mesh, model.topology, scene.membrane, scene.bending),
-                      {},
-                      scene.mesh.mass * scene.solver.gravity.transpose()};
+    XpbdSystem system{
+        XpbdConstraints(scene.mesh, model.topology, scene.membrane, scene.bending, model.elasticity.strain_limit()),
+        {},
+        weight_of(scene)};
     for (const Contact* contact : contacts) system.contacts.emplace_back(*contact);
     return system;
 }
@@ -39,6 +47,7 @@ XpbdParameters parameters_of(const DrapeScene& scene) {
     parameters.inverse_mass = scene.mesh.mass.cwiseInverse();
     for (int v : scene.pinned) parameters.inverse_mass[v] = 0.0;
     if (scene.contact) parameters.largest_move = largest_move;
+    if (scene.self_contact) parameters.largest_move = largest_share * scene.self_contact->thickness;
     return parameters;
 }
 
@@ -48,9 +57,16 @@ XpbdSolver::XpbdSolver(const DrapeModel& model, const std::vector<Contact*>& con
     : model_(model),
       contacts_(contacts),
       report_(report),
+      self_contact_(model.scene.self_contact
+                        ? std::optional<XpbdSelfContact>(std::in_place, model.scene.mesh, model.topology,
+                                                         *model.scene.self_contact, model.pressure)
+                        : std::nullopt),
       system_(make_system(model, contacts)),
       parameters_(parameters_of(model.scene)),
-      settling_(parameters_) {}
+      settling_(parameters_) {
+    if (self_contact_) system_.self_contact = &*self_contact_;
+    if (model.scene.wind) wind_.emplace(model.scene.mesh, *model.scene.wind);
+}
 
 void XpbdSolver::tie(bool solids_moved) {
     const Stopwatch watch(report_.contact_seconds);
@@ -71,9 +87,27 @@ void XpbdSolver::start(const Positions& x) {
     tie(true);
 }
 
+void XpbdSolver::carry(const Positions& carried) {
+    if (!self_contact_) {
+        state_.position = carried;
+        return;
+    }
+    const Stopwatch watch(report_.self_contact_seconds);
+    Positions safe = carried;
+    self_contact_->limit(state_.position, safe);
+    state_.position = safe;
+}
+
+void XpbdSolver::blow() {
+    if (!wind_) return;
+    wind_->linearise(state_.position);
+    system_.weight = weight_of(model_.scene) + wind_->force();
+}
+
 void XpbdSolver::follow(const Positions& carried) {
     ++report_.iterations;
-    state_.position = carried;
+    carry(carried);
+    blow();
     tie(true);
     for (int k = 0; k < model_.scene.solver.xpbd.substeps; ++k)
         state_ = xpbd_step(system_, parameters_, std::move(state_));
@@ -82,9 +116,10 @@ void XpbdSolver::follow(const Positions& carried) {
     relative_stiffness_ = first_relative_stiffness;
 }
 
-void XpbdSolver::add_mass(double relative_stiffness, XpbdParameters& parameters) const {
+void XpbdSolver::add_mass(double relative_stiffness, XpbdParameters& parameters) {
     Eigen::VectorXd stiffness = Eigen::VectorXd::Zero(state_.position.rows());
-    system_.constraints.add_stiffness(state_.forces, stiffness);
+    system_.constraints.add_stiffness(state_.position, state_.forces, stiffness);
+    if (self_contact_) self_contact_->add_stiffness(state_.position, stiffness);
     const double q = parameters.mobility().squared_time;
     for (int v = 0; v < stiffness.size(); ++v) {
         const double lightest = relative_stiffness / (q * stiffness[v]);
@@ -98,6 +133,7 @@ void XpbdSolver::soften(double fall) {
 
 void XpbdSolver::settle() {
     ++report_.iterations;
+    blow();
     tie(false);
     if (settling_.keep_forces) add_mass(relative_stiffness_, settling_);
     for (int k = 0; k < model_.scene.solver.xpbd.substeps; ++k) {
@@ -124,6 +160,11 @@ double XpbdSolver::residual_force() {
     force = -force;
     for (size_t k = 0; k < system_.contacts.size(); ++k)
         system_.contacts[k].add_static_forces(state_.position, state_.touches[k], force);
+    if (self_contact_) self_contact_->add_static_forces(state_.position, force);
+    if (wind_) {
+        wind_->linearise(state_.position);
+        force += wind_->force();
+    }
     for (int v : model_.scene.pinned) force.row(v).setZero();
     return force.norm();
 }

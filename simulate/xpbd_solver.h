@@ -1,7 +1,10 @@
 #pragma once
 
+#include <optional>
+
 #include "simulate/drape_model.h"
 #include "simulate/solver.h"
+#include "simulate/wind.h"
 #include "simulate/xpbd_step.h"
 
 namespace toile::simulate {
@@ -25,14 +28,18 @@ class XpbdSolver final : public Solver {
 
   private:
     void tie(bool solids_moved);
+    void carry(const Positions& carried);
+    void blow();
     void keep_anchors();
     void soften(double fall);
     /// Sets masses of which q/m times the stiffness is no more than that.
-    void add_mass(double relative_stiffness, XpbdParameters& parameters) const;
+    void add_mass(double relative_stiffness, XpbdParameters& parameters);
 
     const DrapeModel& model_;
     std::vector<Contact*> contacts_;
     DrapeReport& report_;
+    std::optional<XpbdSelfContact> self_contact_;
+    std::optional<Wind> wind_;
     XpbdSystem system_;
     XpbdParameters parameters_, settling_;
     XpbdState state_;

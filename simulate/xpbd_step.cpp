@@ -5,6 +5,10 @@
 namespace toile::simulate {
 namespace {
 
+/// Sweeps over contacts alone for each over all constraints where the cloth feels itself: contacts are few, and what
+/// one pushes apart another may push together. Self-contact comes last, as what it leaves is cut off.
+constexpr int contact_sweeps = 4;
+
 void forget_forces(const XpbdSystem& system, XpbdState& state) {
     state.forces = system.constraints.no_forces();
     for (auto& touches : state.touches) {
@@ -42,19 +46,29 @@ XpbdState xpbd_step(const XpbdSystem& system, const XpbdParameters& parameters, 
         system.contacts[k].begin(start, state.touches[k]);
         system.contacts[k].add_forces(state.touches[k], force);
     }
+    XpbdSelfContact* self_contact = system.self_contact;
+    if (self_contact) {
+        self_contact->begin(mobility, h, parameters.keep_forces, start);
+        self_contact->add_forces(force);
+    }
     Positions& x = state.position;
     for (int v = 0; v < x.rows(); ++v) {
         if (mobility.inverse_mass[v] == 0.0) continue;
         x.row(v) += mobility.squared_time * (state.velocity.row(v) / h + mobility.inverse_mass[v] * force.row(v));
     }
+    if (parameters.largest_move > 0.0) bound_moves(start, parameters.largest_move, x);
     XpbdForces reached = state.forces;
     for (int iteration = 0; iteration < parameters.iterations; ++iteration) {
         system.constraints.sweep(mobility, start, reached, x);
-        for (size_t k = 0; k < system.contacts.size(); ++k) system.contacts[k].sweep(mobility, state.touches[k], x);
+        for (int sweep = 0; sweep < (self_contact ? contact_sweeps : 1); ++sweep) {
+            for (size_t k = 0; k < system.contacts.size(); ++k) system.contacts[k].sweep(mobility, state.touches[k], x);
+            if (self_contact) self_contact->sweep(mobility, start, x);
+        }
     }
     if (parameters.largest_move > 0.0) bound_moves(start, parameters.largest_move, x);
+    if (self_contact) self_contact->limit(start, x);
     for (size_t k = 0; k < system.contacts.size(); ++k) system.contacts[k].end(x, state.touches[k]);
-    system.constraints.follow_forces(mobility, reached, state.forces);
+    system.constraints.follow_forces(mobility, x, reached, state.forces);
     state.velocity = (x - start) / h;
     return state;
 }

@@ -4,6 +4,7 @@
 
 #include "simulate/xpbd_constraints.h"
 #include "simulate/xpbd_contact.h"
+#include "simulate/xpbd_self_contact.h"
 
 namespace toile::simulate {
 
@@ -19,7 +20,8 @@ struct XpbdState {
 struct XpbdSystem {
     XpbdConstraints constraints;
     std::vector<XpbdContact> contacts;  ///< one for each solid
-    Positions weight;                   ///< `[V x 3]` [N]
+    Positions weight;                   ///< `[V x 3]`, and other forces that last for the step [N]
+    XpbdSelfContact* self_contact = nullptr;
 
     /// At rest in x, without forces.
     XpbdState state_at(const Positions& x) const;

@@ -96,6 +96,24 @@ TEST(Fold, GradientAndHessianAreDerivatives) {
     }
 }
 
+TEST(Fold, MeasureIsTheEnergysRoot) {
+    for (const double start : {0.0, 0.8}) {
+        const FoldStencil stencil = fold_stencil(two_triangles(turned(start)), hinge, 0, 1);
+        for (const double angle : {-2.0, 0.3, 0.8, 2.5}) {
+            HingePositions x = crooked(angle);
+            for (const bool collapsing : {false, true}) {
+                if (collapsing) x.col(2) = x.col(0) + 0.5 * (x.col(1) - x.col(0)) + 0.03 * (x.col(2) - x.col(0));
+                const FoldMeasure measure = fold_measure(stencil, x);
+                const double energy = fold_energy(stencil, stiffness, x);
+                const FoldGradient gradient = fold_gradient(stencil, stiffness, x);
+                EXPECT_GT(energy, 0.0);
+                EXPECT_NEAR(0.5 * stiffness * measure.value * measure.value, energy, 1e-12 * energy);
+                EXPECT_LT((stiffness * measure.value * measure.gradient - gradient).norm(), 1e-10 * gradient.norm());
+            }
+        }
+    }
+}
+
 TEST(Fold, ProjectedHessianIsSemidefiniteAndExactAtRest) {
     const FoldStencil stencil = fold_stencil(two_triangles(crooked(0.7)), hinge, 0, 1);
     for (const double angle : {-3.0, 0.0, 0.7, 2.0}) {

@@ -91,6 +91,36 @@ TEST(XpbdSolver, KeptForcesReachTheSameRest) {
     }
 }
 
+/// What a scene may ask for besides.
+std::vector<std::pair<std::string, DrapeScene>> hung_patches_with_more() {
+    std::vector<std::pair<std::string, DrapeScene>> scenes;
+    DrapeScene& blown = scenes.emplace_back("wind", hung_patch()).second;
+    blown.wind = WindOptions{};
+    blown.wind->velocity = {0.3, 0.0, 1.5};
+    DrapeScene& limited = scenes.emplace_back("strain limit", hung_patch()).second;
+    limited.membrane.warp_stiffness = limited.membrane.weft_stiffness = 20.0;
+    limited.membrane.shear_stiffness = 6.0;
+    limited.strain_limit = StrainLimitOptions{1.01, 1.01};
+    DrapeScene& folded = scenes.emplace_back("folds", hung_patch()).second;
+    for (int v = 0; v < folded.mesh.vertex_count(); ++v)
+        folded.mesh.rest_position(v, 1) += 0.02 * std::cos(20.0 * folded.mesh.rest_position(v, 0));
+    folded.bending = BendingOptions{1e-3, BendingRest::start};
+    return scenes;
+}
+
+TEST(XpbdSolver, RestsWhereImplicitDoesInWindAtALimitAndAboutAFoldedStart) {
+    for (const auto& [what, scene] : hung_patches_with_more()) {
+        const Positions implicit = drape_of(scene, "implicit", 1e-6, 2000);
+        DrapeScene without = scene;
+        without.wind.reset();
+        without.strain_limit.reset();
+        without.bending->rest = BendingRest::flat;
+        EXPECT_GT(largest_distance(drape_of(without, "implicit", 1e-6, 2000), implicit), 0.02 * edge_length)
+            << what << " must make a difference";
+        EXPECT_LT(largest_distance(drape_of(scene, "xpbd", 1e-5, 2000), implicit), 0.002 * edge_length) << what;
+    }
+}
+
 TEST(XpbdSolver, RestsWithinTheGateOfImplicit) {
     DrapeScene scene = hung_patch();
     scene.solver.solver = "xpbd";
