@@ -1,12 +1,10 @@
 #include "evaluate/stability_scenes.h"
 
-#include <algorithm>
-
 #include "evaluate/case_meshes.h"
 #include "pattern/tshirt.h"
 #include "skin/anatomy.h"
 #include "skin/builtin_body.h"
-#include "skin/surface_extraction.h"
+#include "skin/pillar_body.h"
 
 namespace toile::evaluate {
 namespace {
@@ -27,46 +25,25 @@ StabilityScene square(double length, double height) {
     return scene;
 }
 
+/// Pins vertices of a square where it would be unshaken: pins further apart than the cloth between them is long would
+/// strain it, by more than all else where it is stiff.
+void pin(simulate::DrapeScene& scene, const std::vector<int>& vertices) {
+    ClothMesh& mesh = scene.mesh;
+    const double height = mesh.rest_position.col(1).mean(), half = 0.5 * mesh.pattern_position.maxCoeff();
+    scene.pinned = vertices;
+    for (const int v : vertices)
+        mesh.rest_position.row(v) << mesh.pattern_position(v, 0) - half, height, half - mesh.pattern_position(v, 1);
+}
+
 void pin_far_corners(simulate::DrapeScene& scene) {
     const int last = scene.mesh.vertex_count() - 1;
-    scene.pinned = {last - cells, last};
-}
-
-/// An upright pillar, 1 m high, with joints at the ground and half way up.
-skin::Body pillar_body() {
-    constexpr double radius = 0.1, height = 1.0;
-    const auto distance = [=](const Eigen::Vector3d& p) {
-        const Eigen::Vector3d on_axis(0.0, std::clamp(p.y(), radius, height - radius), 0.0);
-        return (p - on_axis).norm() - radius;
-    };
-    const auto surface = skin::extract_surface(distance, {-0.15, -0.05, -0.15}, {0.15, 1.05, 0.15}, 0.012);
-    skin::Body body;
-    body.rest_position = surface.position;
-    body.triangle = surface.triangle;
-    Eigen::Matrix4d bind = Eigen::Matrix4d::Identity();
-    body.joint.push_back({"lower", -1, bind});
-    bind(1, 3) = 0.5 * height;
-    body.joint.push_back({"upper", 0, bind});
-    for (int v = 0; v < body.vertex_count(); ++v) {
-        const double upper = std::clamp((body.rest_position(v, 1) - 0.4) / 0.2, 0.0, 1.0);
-        body.weight.offset.push_back(2 * v);
-        body.weight.joint.insert(body.weight.joint.end(), {0, 1});
-        body.weight.value.insert(body.weight.value.end(), {1.0 - upper, upper});
-    }
-    body.weight.offset.push_back(2 * body.vertex_count());
-    return body;
-}
-
-skin::Pose bent_pillar(double angle) {
-    skin::Pose pose = skin::Pose::Zero(2, 3);
-    pose(1, 2) = angle;
-    return pose;
+    pin(scene, {last - cells, last});
 }
 
 void add_pillar(StabilityScene& scene, double angle) {
     scene.drape.contact.emplace();
-    scene.drape.body = pillar_body();
-    scene.pose = bent_pillar(angle);
+    scene.drape.body = skin::pillar_body();
+    scene.pose = skin::bent_pillar(angle);
 }
 
 }  // namespace
@@ -109,13 +86,15 @@ StabilityScene square_on_pillar() {
 StabilityScene struck_curtain() {
     StabilityScene scene = square(side, 0.0);
     Positions& x = scene.drape.mesh.rest_position;
+    const int last = scene.drape.mesh.vertex_count() - 1;
+    std::vector<int> top;
+    for (int i = 0; i <= cells; ++i) top.push_back(last - i);
+    pin(scene.drape, top);
     // The level square, turned to hang in the plane x = -0.2 before the pillar's head.
     const Positions level = x;
     x.col(0) = level.col(1).array() - 0.2;
     x.col(1) = 1.0 - level.col(2).array();
     x.col(2) = -level.col(0);
-    const int last = scene.drape.mesh.vertex_count() - 1;
-    for (int i = 0; i <= cells; ++i) scene.drape.pinned.push_back(last - i);
     add_pillar(scene, 0.8);
     return scene;
 }

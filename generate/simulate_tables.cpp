@@ -123,7 +123,9 @@ void bind_solver(ConfigTable& root, SceneConfig& config) {
     table.integer("max_iterations", s.max_iterations,
                   {.lower = 1, .upper = 1000000, .doc = "iterations to come to rest"});
     table.integer("stall_iterations", s.stall_iterations,
-                  {.lower = 1, .upper = 1000000, .doc = "gives up when these lower the residual by less than a tenth"});
+                  {.lower = 1,
+                   .upper = 1000000,
+                   .doc = "gives up when these lower neither the residual by a tenth nor the energy"});
 }
 
 void bind_xpbd(ConfigTable& root, SceneConfig& config) {

@@ -46,6 +46,11 @@ Contact::Contact(const ContactOptions& options, double pressure, const std::vect
       obstacle_(obstacle),
       state_(points.size()) {}
 
+void Contact::stiffen(double factor) {
+    pressure_ *= factor;
+    stick_stiffness_ *= factor;
+}
+
 Eigen::Vector3d Contact::position(const Positions& x, const ContactPoint& point) const {
     if (point.second < 0) return x.row(point.first).transpose();
     return 0.5 * (x.row(point.first) + x.row(point.second)).transpose();

@@ -56,6 +56,8 @@ class Contact {
     /// What a solver needs that keeps anchors and normal forces itself.
     const ContactOptions& options() const { return options_; }
     double pressure() const { return pressure_; }  ///< where cloth touches [Pa]
+    /// Multiplies contact's pressure, and with it the stiffness of sticking.
+    void stiffen(double factor);
     const std::vector<ContactPoint>& points() const { return points_; }
     const Obstacle& obstacle() const { return obstacle_; }
     /// The spring that ties a sticking point to its anchor under a normal force [N] when it has been `spring` [N/m]

@@ -9,9 +9,23 @@
 namespace toile::simulate {
 namespace {
 
-/// The contact pressure where cloth touches a surface is the membrane's stiffness over this length [m]: a garment
-/// stretched by a tenth around a limb then stays clear of it.
-constexpr double pressure_length = 0.05;
+/// The contact pressure where cloth touches a surface is the largest of: the membrane's stiffness over this length [m]
+/// (a garment stretched by a tenth around a limb then stays clear of it), ...
+constexpr double membrane_length = 0.05;
+/// ... bending stiffness over this length's cube [m] (stiff cloth bent around an edge), ...
+constexpr double bending_length = 0.02;
+/// ... and the cloth's weight per area this many times: a garment hangs on its shoulders.
+constexpr double borne_layers = 100.0;
+constexpr double standard_gravity = 9.81;  // [m/s^2]; weightless scenes are measured against it
+
+double contact_pressure(const DrapeScene& scene) {
+    const MembraneOptions& membrane = scene.membrane;
+    const double gravity = std::max(scene.solver.gravity.norm(), standard_gravity);
+    const double bending = scene.bending ? scene.bending->stiffness : 0.0;
+    return std::max({std::max(membrane.warp_stiffness, membrane.weft_stiffness) / membrane_length,
+                     bending / (bending_length * bending_length * bending_length),
+                     borne_layers * membrane.density_per_area * gravity});
+}
 
 /// The scene, if it can be draped.
 const DrapeScene& checked(const DrapeScene& scene) {
@@ -44,17 +58,15 @@ DrapeModel::DrapeModel(const DrapeScene& from)
       symbolic(std::make_shared<const BlockSymbolic>(scene.mesh.vertex_count(), elasticity.pairs())) {
     elasticity.bind(*symbolic);
     if (scene.contact) points = contact_points(scene.mesh, topology, *symbolic);
-    if (scene.contact || scene.self_contact)
-        pressure = std::max(scene.membrane.warp_stiffness, scene.membrane.weft_stiffness) / pressure_length;
+    if (scene.contact || scene.self_contact) pressure = contact_pressure(scene);
     if (scene.body) {
         const skin::Pose pose = skin::Pose::Zero(scene.body->joint_count(), 3);
         neutral = std::make_shared<const BodyLevelSet>(
             *scene.body, skin::skin_positions(*scene.body, pose, scene.skinning), scene.mesh.rest_position,
             scene.level_set.voxel, scene.contact->thickness);
     }
-    // Weightless scenes are measured against the same mass under standard gravity.
     const double gravity = scene.solver.gravity.norm();
-    weight = scene.mesh.mass.sum() * (gravity > 0.0 ? gravity : 9.81);
+    weight = scene.mesh.mass.sum() * (gravity > 0.0 ? gravity : standard_gravity);
 }
 
 }  // namespace toile::simulate

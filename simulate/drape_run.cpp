@@ -15,20 +15,40 @@
 namespace toile::simulate {
 namespace {
 
-/// Notices that a residual has stopped falling.
+/// Contact is stiffened by this factor, this often at most, while depth falls to this share.
+constexpr double stiffening = 4.0, least_gain = 0.8;
+constexpr int most_stiffenings = 8;
+
+/// Notices that a drape no longer gets anywhere: neither its residual falls nor its energy, told as the height it would
+/// lift the garment to [m]. In stiff cloth the residual swings about while the cloth still moves.
 class Progress {
   public:
-    bool stalled(double residual, int iteration, int patience) {
-        if (residual < 0.9 * best_) {
-            best_ = residual;
-            since_ = iteration;
-        }
-        return iteration - since_ >= patience;
+    /// `extent` of the garment [m]: what falls by more than that is not held by anything.
+    explicit Progress(double extent) : extent_(extent) {}
+
+    void residual_is(double residual, int iteration) {
+        if (residual >= 0.9 * best_) return;
+        best_ = residual;
+        since_ = iteration;
     }
+    /// NaN: not known.
+    void energy_is(double height, int iteration) {
+        if (looks_++ <= looks_at_start) start_ = height;
+        if (!(height < lowest_ - least_fall)) return;
+        lowest_ = height;
+        if (height > start_ - extent_) since_ = iteration;
+    }
+    bool stalled(int iteration, int patience) const { return iteration - since_ >= patience; }
+
+    static constexpr int energy_interval = 25;  ///< iterations between two looks at the energy
 
   private:
-    double best_ = std::numeric_limits<double>::infinity();
-    int since_ = 0;
+    static constexpr double least_fall = 1e-5;  // [m]
+    static constexpr int looks_at_start = 2;    // while a start that is far from rest gives off its elastic energy
+
+    double extent_, start_ = 0.0;
+    double best_ = std::numeric_limits<double>::infinity(), lowest_ = best_;
+    int since_ = 0, looks_ = 0;
 };
 
 }  // namespace
@@ -98,16 +118,53 @@ void DrapeRun::follow(const skin::Pose& from, const skin::Pose& to) {
     }
 }
 
+double DrapeRun::deepest() const {
+    const Positions& x = solver_->position();
+    const double near = 0.25 * scene_.contact->thickness;
+    double depth = 0.0;
+    bool near_body = false;
+    for (const auto& contact : contacts_) {
+        const bool is_body = &contact->obstacle() == body_.get();
+        for (int v = 0; v < x.rows(); ++v) {
+            const double distance = contact->obstacle().distance(x.row(v).transpose(), contact->piece(v));
+            if (is_body)
+                near_body |= distance < near;
+            else
+                depth = std::max(depth, -distance);
+        }
+    }
+    return near_body ? std::max(depth, penetration()) : depth;
+}
+
 void DrapeRun::settle(const EnergyWatch& watch) {
+    come_to_rest(watch);
+    if (contacts_.empty() || !scene_.gate.body_penetration) return;
+    double before = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < most_stiffenings && solver_->position().allFinite(); ++round) {
+        const double depth = deepest();
+        // What two surfaces squeeze is not helped by stiffer ones.
+        if (depth <= *scene_.gate.body_penetration || depth > least_gain * before) return;
+        before = depth;
+        for (auto& contact : contacts_) contact->stiffen(stiffening);
+        come_to_rest(watch);
+    }
+}
+
+void DrapeRun::come_to_rest(const EnergyWatch& watch) {
     bool first = true;
     double target_residual = scene_.solver.residual_tolerance;
     const int last = report_.iterations + scene_.solver.max_iterations;
-    Progress progress;
+    const Positions& x = solver_->position();
+    Progress progress((x.colwise().maxCoeff() - x.colwise().minCoeff()).norm());
+    int step = 0;
     while (report_.iterations < last) {
         const double residual = relative_residual();
         if (watch) watch(solver_->energy(), std::exchange(first, false));
         if (!std::isfinite(residual)) return;
-        if (progress.stalled(residual, report_.iterations, scene_.solver.stall_iterations)) return;
+        progress.residual_is(residual, report_.iterations);
+        if (step++ % Progress::energy_interval == 0)
+            progress.energy_is(solver_->energy() / shared_.weight, report_.iterations);
+        if (progress.stalled(report_.iterations, scene_.solver.stall_iterations)) return;
         if (residual <= target_residual) {
             if (solver_->largest_speed() <= scene_.solver.speed_tolerance) return;
             target_residual *= 0.3;

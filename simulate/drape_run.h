@@ -19,7 +19,8 @@ class DrapeRun {
     void start(const Positions& x, const skin::Pose& neutral);
     /// Follows the body along interpolated poses, carried by it, with inertia.
     void follow(const skin::Pose& from, const skin::Pose& to);
-    /// Comes to rest where the body is now.
+    /// Comes to rest where the body is now. Where the cloth then lies deeper in a solid than the gate allows, contact
+    /// is made stiffer and it comes to rest again, as long as that helps.
     void settle(const EnergyWatch& watch = {});
     /// Certificate, status and report.
     DrapeResult finish();
@@ -28,6 +29,9 @@ class DrapeRun {
     void add_contact(const Obstacle& obstacle);
     void tie_to_body(const Positions& x, const skin::Pose& neutral);
     double relative_residual();
+    void come_to_rest(const EnergyWatch& watch);
+    /// How deep the deepest vertex lies in any solid [m]: 0 where all are at least a share of the thickness outside.
+    double deepest() const;
     void carry_with_body();
     double penetration() const;
     Certificate certify();

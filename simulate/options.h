@@ -63,8 +63,8 @@ struct SolverOptions {
     Eigen::Vector3d gravity = {0.0, -9.81, 0.0};  ///< [m/s^2]
     double residual_tolerance = 5e-4;             ///< residual force over the garment's weight, 1e-9 to 0.1
     double speed_tolerance = 0.001;               ///< largest vertex speed at rest [m/s]
-    int max_iterations = 1000;                    ///< to come to rest, 1 to 1000000
-    int stall_iterations = 250;                   ///< a drape ends when these have not lowered its residual by a tenth
+    int max_iterations = 5000;                    ///< to come to rest, 1 to 1000000
+    int stall_iterations = 250;  ///< a drape ends when these lowered neither its residual by a tenth nor its energy
     XpbdOptions xpbd;
     BulletOptions bullet;
 };

@@ -60,11 +60,14 @@ SelfContact::SelfContact(const ClothMesh& mesh, const Topology& topology, const 
         triangle_size_[f] = std::min(options.thickness, size_share * 2.0 * area / longest);
         for (int c = 0; c < 3; ++c) {
             double& vertex = vertex_size_[mesh.triangle(f, c)];
-            double& edge = edge_size_[topology.triangle_edge(f, c)];
             vertex = std::min(vertex, triangle_size_[f]);
-            edge = std::min(edge, triangle_size_[f]);
         }
     }
+    // What lies beyond a sliver is as near as the sliver is thin: all that meets one has to be as thin.
+    for (int f = 0; f < mesh.triangle_count(); ++f)
+        for (int c = 0; c < 3; ++c) triangle_size_[f] = std::min(triangle_size_[f], vertex_size_[mesh.triangle(f, c)]);
+    for (int e = 0; e < topology.edge.rows(); ++e)
+        edge_size_[e] = std::min(vertex_size_[topology.edge(e, 0)], vertex_size_[topology.edge(e, 1)]);
     candidates_.set_reach(vertex_size_, triangle_size_, edge_size_);
     if (rest_length_.size() > 0) margin_ = std::min(widest_margin, 0.25 * rest_length_.mean());
 }

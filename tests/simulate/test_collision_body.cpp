@@ -2,8 +2,8 @@
 
 #include "cloth/topology.h"
 #include "simulate/collision_body.h"
+#include "skin/pillar_body.h"
 #include "skin/surface_query.h"
-#include "tests/simulate/pillar_body.h"
 
 namespace toile::simulate {
 namespace {
@@ -15,12 +15,12 @@ ReachableSurface whole(const skin::Body& body) {
 }
 
 void start(CollisionBody& collision, const skin::Body& body) {
-    collision.start(test::bent(0.0), std::make_shared<const BodyLevelSet>(body, body.rest_position, body.rest_position,
-                                                                          options.voxel, 0.002));
+    collision.start(skin::bent_pillar(0.0), std::make_shared<const BodyLevelSet>(
+                                                body, body.rest_position, body.rest_position, options.voxel, 0.002));
 }
 
 TEST(ReachableSurface, KeepsAClosedBodyWholeAndCapsACutOne) {
-    const skin::Body body = test::pillar_body();
+    const skin::Body body = skin::pillar_body();
     const ReachableSurface all = whole(body);
     EXPECT_EQ(all.triangle.rows(), body.triangle.rows());
     EXPECT_TRUE(all.cap.empty());
@@ -35,18 +35,18 @@ TEST(ReachableSurface, KeepsAClosedBodyWholeAndCapsACutOne) {
 }
 
 TEST(ReachableSurface, ClosesABodyThatIsOpen) {
-    skin::Body body = test::pillar_body();
+    skin::Body body = skin::pillar_body();
     const Triangles open = body.triangle.topRows(body.triangle.rows() - 1);
     body.triangle = open;
     EXPECT_TRUE(boundary_loops(whole(body).triangle).empty());
 }
 
 TEST(CollisionBody, DistanceIsToThePosedMesh) {
-    const skin::Body body = test::pillar_body();
+    const skin::Body body = skin::pillar_body();
     CollisionBody collision(body, skin::SkinningMethod::linear, options, 0.002);
     DrapeReport report;
     start(collision, body);
-    collision.move_to(test::bent(0.6), report);
+    collision.move_to(skin::bent_pillar(0.6), report);
     collision.fit_level_set(true, collision.position(), report);
     const skin::SurfaceQuery query(body.triangle, collision.position());
     for (int v = 0; v < body.vertex_count(); v += 37) {
@@ -58,7 +58,7 @@ TEST(CollisionBody, DistanceIsToThePosedMesh) {
 }
 
 TEST(CollisionBody, ACarriedLevelSetStaysWithinItsBound) {
-    const skin::Body body = test::pillar_body();
+    const skin::Body body = skin::pillar_body();
     CollisionBody collision(body, skin::SkinningMethod::linear, options, 0.002);
     DrapeReport report;
     start(collision, body);
@@ -66,7 +66,7 @@ TEST(CollisionBody, ACarriedLevelSetStaysWithinItsBound) {
     for (int k = 1; k <= 20; ++k) {
         for (int v = 0; v < body.vertex_count(); ++v)
             piece[v] = collision.piece_near(collision.position().row(v).transpose(), v);
-        collision.move_to(test::bent(0.05 * k), report);
+        collision.move_to(skin::bent_pillar(0.05 * k), report);
         collision.fit_level_set(false, collision.position(), report);
         for (int v = 0; v < body.vertex_count(); v += 29) {
             const Eigen::Vector3d on_surface = collision.position().row(v).transpose();
@@ -80,7 +80,7 @@ TEST(CollisionBody, ACarriedLevelSetStaysWithinItsBound) {
 }
 
 TEST(CollisionBody, AnchorsMoveWithTheSurface) {
-    const skin::Body body = test::pillar_body();
+    const skin::Body body = skin::pillar_body();
     CollisionBody collision(body, skin::SkinningMethod::linear, options, 0.002);
     DrapeReport report;
     start(collision, body);
@@ -89,7 +89,7 @@ TEST(CollisionBody, AnchorsMoveWithTheSurface) {
     const Eigen::Vector3d start = body.rest_position.row(top).transpose() + Eigen::Vector3d(0, 0.003, 0);
     const Eigen::Vector3d local = collision.to_local(start, top);
     EXPECT_LT((collision.to_world(local, top) - start).norm(), 1e-12);
-    collision.move_to(test::bent(0.5), report);
+    collision.move_to(skin::bent_pillar(0.5), report);
     // The top follows the upper joint rigidly.
     const Eigen::Vector3d pivot(0, 0.5, 0);
     const Eigen::Vector3d expected = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()) * (start - pivot) + pivot;

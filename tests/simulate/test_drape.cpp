@@ -3,31 +3,17 @@
 #include "cloth/error.h"
 #include "cloth/parallel.h"
 #include "simulate/drape.h"
-#include "tests/simulate/cloth_square.h"
-#include "tests/simulate/pillar_body.h"
+#include "tests/support/drape_scenes.h"
 
 namespace toile::simulate {
 namespace {
 
 DrapeScene hanging_square() {
-    DrapeScene scene;
-    scene.mesh = test::cloth_square(10, 0.5, 1.0);
-    scene.mesh.rest_position = test::crumpled(scene.mesh.rest_position, 0.0005);
-    scene.bending = BendingOptions{};
-    scene.pinned = {110, 120};
-    return scene;
+    return test::hanging_square(10, 0.5);
 }
 
-/// A square on top of a pillar whose upper half bends.
 DrapeScene square_on_pillar() {
-    DrapeScene scene;
-    scene.mesh = test::cloth_square(12, 0.3, 1.01);
-    scene.mesh.rest_position = test::crumpled(scene.mesh.rest_position, 0.0005);
-    scene.bending = BendingOptions{};
-    scene.contact = ContactOptions{};
-    scene.body = test::pillar_body();
-    scene.level_set.voxel = 0.008;
-    return scene;
+    return test::square_on_pillar(12);
 }
 
 TEST(Drape, AHangingSquareRestsBelowItsPins) {
@@ -73,12 +59,61 @@ TEST(Drape, ASphereHoldsASquareByFriction) {
     EXPECT_LT(nearest, 0.2 + scene.contact->thickness);
 }
 
+/// A square over a sphere of 0.2 m, its corners pinned at a height.
+DrapeScene square_pulled_over_a_sphere(double density, double stiffness, double corner_height) {
+    DrapeScene scene;
+    scene.mesh = test::cloth_square(10, 0.4, 0.21, density);
+    scene.membrane = {density, stiffness, stiffness, 0.3 * stiffness};
+    scene.bending.emplace();
+    scene.contact.emplace();
+    scene.sphere = SphereOptions{{0, 0, 0}, 0.2};
+    scene.pinned = {0, 10, 110, 120};
+    for (const int v : scene.pinned) scene.mesh.rest_position(v, 1) = corner_height;
+    scene.gate.max_stretch.reset();
+    scene.ladder.tries = 0;
+    return scene;
+}
+
+TEST(Drape, NeitherWeightNorTensionPressesClothIntoASolid) {
+    for (const DrapeScene& scene :
+         {square_pulled_over_a_sphere(10.0, 5.0, 0.0),      // heavy, and as soft as can be
+          square_pulled_over_a_sphere(0.2, 1000.0, -1.0)})  // stretched beyond the first guess
+    {
+        const DrapeResult result = Draper(scene).drape_neutral();
+        EXPECT_EQ(result.status, DrapeStatus::accepted) << status_reason(result.status);
+        EXPECT_GT(result.position.rowwise().norm().minCoeff(), 0.2 - 1e-4);
+    }
+}
+
+TEST(Drape, AStiffPatchIsNotGivenUpWhileItFalls) {
+    // While a nearly inextensible patch swings down, its residual swings about at many times its weight.
+    DrapeScene scene = test::hanging_square(10, 0.5);
+    scene.mesh.rest_position.row(110) << -0.25, 1.0, -0.25;
+    scene.mesh.rest_position.row(120) << 0.25, 1.0, -0.25;
+    scene.membrane.warp_stiffness = scene.membrane.weft_stiffness = 1e7;
+    scene.membrane.shear_stiffness = 3e6;
+    scene.solver.stall_iterations = 100;
+    scene.ladder.tries = 0;
+    const DrapeResult result = Draper(scene).drape_neutral();
+    EXPECT_EQ(result.status, DrapeStatus::accepted) << status_reason(result.status);
+    EXPECT_LT(result.position.col(1).mean(), 0.9);
+}
+
+TEST(Drape, WhatNothingHoldsIsGivenUpSoon) {
+    DrapeScene scene = hanging_square();
+    scene.pinned.clear();
+    scene.ladder.tries = 0;
+    const DrapeResult result = Draper(scene).drape_neutral();
+    EXPECT_EQ(result.status, DrapeStatus::not_at_rest);
+    EXPECT_LT(result.certificate.iterations, 2 * scene.solver.stall_iterations);
+}
+
 TEST(Drape, ABentBodyCarriesItsCloth) {
     const DrapeScene scene = square_on_pillar();
     const Draper draper(scene);
     const DrapeResult neutral = draper.drape_neutral();
     ASSERT_EQ(neutral.status, DrapeStatus::accepted) << status_reason(neutral.status);
-    const DrapeResult posed = draper.drape(neutral.position, test::bent(0.3));
+    const DrapeResult posed = draper.drape(neutral.position, skin::bent_pillar(0.3));
     EXPECT_EQ(posed.status, DrapeStatus::accepted) << status_reason(posed.status);
     EXPECT_LE(posed.certificate.body_penetration, 0.0005);
     const double moved = posed.position.col(0).mean() - neutral.position.col(0).mean();
@@ -92,7 +127,7 @@ TEST(Drape, TheSameBytesOnOneThreadAndTwo) {
     const Positions neutral = draper.drape_neutral().position;
     std::vector<Positions> alone(2), together(2);
     const auto drape_into = [&](std::vector<Positions>& slots) {
-        return [&](int, int k) { slots[k] = draper.drape(neutral, test::bent(k == 0 ? 0.2 : -0.15)).position; };
+        return [&](int, int k) { slots[k] = draper.drape(neutral, skin::bent_pillar(k == 0 ? 0.2 : -0.15)).position; };
     };
     parallel_for(2, 1, drape_into(alone));
     parallel_for(2, 2, drape_into(together));

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "simulate/drape.h"
 #include "tests/simulate/cloth_square.h"
@@ -36,21 +37,36 @@ double hung_length(double modulus, double weight, double length) {
     return sum * length / 600.0;
 }
 
-TEST(Hanging, APatchStretchesByItsWeight) {
+/// Relative error of how far a patch of `cells` x `cells` lengthens under its own weight.
+double stretch_error(const std::string& solver, int cells, double modulus) {
     // Without coupling of the axes nothing happens along weft, and every column of the patch is a strip.
+    DrapeScene scene = hung_patch(cells, 0.5);
+    scene.membrane.warp_stiffness = modulus;
+    scene.membrane.weft_stiffness = 300.0;
+    scene.membrane.poisson_ratio = 0.0;
+    scene.solver.solver = solver;
+    const DrapeResult result = Draper(scene).drape_neutral();
+    EXPECT_LE(result.certificate.residual_force, 1e-8) << solver << ", " << cells << " cells";
+    const double expected = hung_length(modulus, 9.81, 0.5) - 0.5;
+    EXPECT_NEAR(result.position.row(0).x(), 0.0, 0.08 / cells * expected) << "nothing happens along weft";
+    return std::abs(-result.position.topRows(cells + 1).col(1).mean() / expected - 1.0);
+}
+
+TEST(Hanging, APatchStretchesByItsWeight) {
     for (const double modulus : {20.0, 200.0, 2000.0}) {
-        DrapeScene scene = hung_patch(16, 0.5);
-        scene.membrane.warp_stiffness = modulus;
-        scene.membrane.weft_stiffness = 300.0;
-        scene.membrane.poisson_ratio = 0.0;
-        const DrapeResult result = Draper(scene).drape_neutral();
-        ASSERT_LE(result.certificate.residual_force, 1e-8);
-        const double expected = hung_length(modulus, 9.81, 0.5) - 0.5;
-        const double found = 0.5 - result.position.topRows(17).col(1).mean() - 0.5;
         // Constant stretch in each row of triangles: the error falls with the square of their number.
-        EXPECT_NEAR(found / expected, 1.0, 0.01) << modulus;
-        EXPECT_NEAR(result.position.row(0).x(), 0.0, 0.01 * expected) << "nothing happens along weft";
+        double before = stretch_error("implicit", 4, modulus);
+        EXPECT_LT(before, 0.05) << modulus;
+        for (const int cells : {8, 16}) {
+            const double error = stretch_error("implicit", cells, modulus);
+            EXPECT_LT(error, 0.3 * before) << modulus << " N/m, " << cells << " cells";
+            before = error;
+        }
     }
+}
+
+TEST(Hanging, APatchStretchesTheSameWithXpbd) {
+    EXPECT_NEAR(stretch_error("xpbd", 8, 200.0), stretch_error("implicit", 8, 200.0), 1e-5);
 }
 
 TEST(Hanging, AStrainLimitHoldsToOnePercent) {
@@ -108,20 +124,30 @@ double catenary_depth(double length, double span) {
     return low * (std::cosh(0.5 * span / low) - 1.0);
 }
 
+/// Relative error of the depth of a strip of 1 m whose ends are 0.6 m apart, against the catenary.
+double catenary_error(const std::string& solver, int cells, double modulus, double residual) {
+    DrapeScene scene = hung_strip(cells, 1.0, 0.6);
+    scene.membrane.warp_stiffness = scene.membrane.weft_stiffness = modulus;
+    scene.membrane.shear_stiffness = 0.3 * modulus;
+    scene.solver.solver = solver;
+    scene.solver.residual_tolerance = residual;
+    const DrapeResult result = Draper(scene).drape_neutral();
+    EXPECT_LE(result.certificate.residual_force, residual) << solver << ", " << cells << " cells";
+    return std::abs(-result.position.row(cells).y() / catenary_depth(1.0, 0.6) - 1.0);
+}
+
 TEST(Hanging, AStiffStripIsACatenary) {
     double before = 1.0;
     for (const int cells : {16, 32, 64}) {
-        DrapeScene scene = hung_strip(cells, 1.0, 0.6);
-        scene.membrane.warp_stiffness = scene.membrane.weft_stiffness = 1e5;
-        scene.membrane.shear_stiffness = 3e4;
-        const DrapeResult result = Draper(scene).drape_neutral();
-        ASSERT_LE(result.certificate.residual_force, 1e-7) << cells;
-        const double depth = -result.position.row(cells).y(), expected = catenary_depth(1.0, 0.6);
-        const double error = std::abs(depth - expected) / expected;
-        EXPECT_LT(error, before) << "finer is nearer";
+        const double error = catenary_error("implicit", cells, 1e5, 1e-7);
+        EXPECT_LT(error, 0.35 * before) << "the error falls with the square of the cells";
         EXPECT_LT(error, 2.0 / (cells * cells)) << cells;
         before = error;
     }
+}
+
+TEST(Hanging, AStripIsTheSameCatenaryWithXpbd) {
+    EXPECT_LT(catenary_error("xpbd", 16, 1e4, 1e-4), 2.0 / (16 * 16));
 }
 
 TEST(Hanging, AStripKeepsTheShapeItStartedFrom) {

@@ -3,8 +3,7 @@
 
 #include "simulate/drape.h"
 #include "simulate/ladder.h"
-#include "tests/simulate/cloth_square.h"
-#include "tests/simulate/pillar_body.h"
+#include "tests/support/drape_scenes.h"
 
 namespace toile::simulate {
 namespace {
@@ -12,23 +11,11 @@ namespace {
 using testing::ElementsAre;
 
 DrapeScene hanging_square() {
-    DrapeScene scene;
-    scene.mesh = test::cloth_square(8, 0.4, 1.0);
-    scene.mesh.rest_position = test::crumpled(scene.mesh.rest_position, 0.0005);
-    scene.bending = BendingOptions{};
-    scene.pinned = {72, 80};
-    return scene;
+    return test::hanging_square(8, 0.4);
 }
 
 DrapeScene square_on_pillar() {
-    DrapeScene scene;
-    scene.mesh = test::cloth_square(8, 0.3, 1.01);
-    scene.mesh.rest_position = test::crumpled(scene.mesh.rest_position, 0.0005);
-    scene.bending = BendingOptions{};
-    scene.contact = ContactOptions{};
-    scene.body = test::pillar_body();
-    scene.level_set.voxel = 0.008;
-    return scene;
+    return test::square_on_pillar(8);
 }
 
 std::vector<int> rungs_of(const DrapeResult& result) {
@@ -117,7 +104,7 @@ TEST(Ladder, AShortBudgetIsMadeUpForAndRecorded) {
 TEST(Ladder, AGateThatCannotBeMetEndsInItsReason) {
     DrapeScene scene = square_on_pillar();
     scene.gate.max_stretch = 1.0;
-    const DrapeResult result = Draper(scene).drape(scene.mesh.rest_position, test::bent(0.2));
+    const DrapeResult result = Draper(scene).drape(scene.mesh.rest_position, skin::bent_pillar(0.2));
     EXPECT_EQ(result.status, DrapeStatus::overstretched) << status_reason(result.status);
     EXPECT_THAT(rungs_of(result), ElementsAre(0, 1, 2, 3));
     EXPECT_LE(result.certificate.residual_force, *scene.gate.residual_force);
@@ -128,7 +115,7 @@ TEST(Ladder, ABodyFoldedIntoItselfIsToldApart) {
     scene.mesh.rest_position.rowwise() += Eigen::RowVector3d(0.28, -0.75, 0.0);  // beside the fold, held by a side
     for (int v = 0; v < 9; ++v) scene.pinned.push_back(9 * v);
     scene.gate.max_stretch = 1.0;  // so that it fails for certain
-    const DrapeResult result = Draper(scene).drape(scene.mesh.rest_position, test::bent(2.9));
+    const DrapeResult result = Draper(scene).drape(scene.mesh.rest_position, skin::bent_pillar(2.9));
     EXPECT_EQ(result.status, DrapeStatus::body_intersects_itself) << status_reason(result.status);
     EXPECT_THAT(rungs_of(result), ElementsAre(0)) << "no other path leads to a pose that is impossible";
     EXPECT_NE(result.tries[0].status, DrapeStatus::body_intersects_itself) << "what the solver said is kept";

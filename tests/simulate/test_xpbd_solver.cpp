@@ -3,22 +3,15 @@
 #include <cmath>
 
 #include "simulate/xpbd_solver.h"
-#include "tests/simulate/cloth_square.h"
-#include "tests/simulate/pillar_body.h"
+#include "tests/support/drape_scenes.h"
 
 namespace toile::simulate {
 namespace {
 
 constexpr double edge_length = 0.05;
 
-/// Hung from two corners.
 DrapeScene hung_patch() {
-    DrapeScene scene;
-    scene.mesh = test::cloth_square(6, 0.3, 1.0);
-    scene.mesh.rest_position = test::crumpled(scene.mesh.rest_position, 0.0005);
-    scene.bending = BendingOptions{};
-    scene.pinned = {42, 48};
-    return scene;
+    return test::hanging_square(6, 0.3);
 }
 
 /// Over the top of a sphere without friction, held by two vertices in its middle: without them it would slide off, and
@@ -131,23 +124,17 @@ TEST(XpbdSolver, RestsWithinTheGateOfImplicit) {
 }
 
 TEST(XpbdSolver, FollowsABendingBodyTheSameWayTwice) {
-    DrapeScene scene;
-    scene.mesh = test::cloth_square(8, 0.3, 1.01);
-    scene.mesh.rest_position = test::crumpled(scene.mesh.rest_position, 0.0005);
-    scene.bending = BendingOptions{};
-    scene.contact = ContactOptions{};
-    scene.body = test::pillar_body();
-    scene.level_set.voxel = 0.008;
+    DrapeScene scene = test::square_on_pillar(8);
     scene.ladder.tries = 0;
     scene.solver.solver = "xpbd";
     scene.solver.max_iterations = 100;
     const Draper draper(scene);
     const DrapeResult neutral = draper.drape_neutral();
-    const DrapeResult posed = draper.drape(neutral.position, test::bent(0.3));
+    const DrapeResult posed = draper.drape(neutral.position, skin::bent_pillar(0.3));
     EXPECT_LE(posed.certificate.body_penetration, 0.0005);
     const double moved = posed.position.col(0).mean() - neutral.position.col(0).mean();
     EXPECT_NEAR(moved, -0.5 * std::sin(0.3), 0.05) << "the pillar's top moves aside and the square with it";
-    EXPECT_EQ(draper.drape(neutral.position, test::bent(0.3)).position, posed.position);
+    EXPECT_EQ(draper.drape(neutral.position, skin::bent_pillar(0.3)).position, posed.position);
 }
 
 }  // namespace
