@@ -1,6 +1,9 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,19 +46,29 @@ struct StabilityOutcome {
     bool rests = false;    ///< accepted by the gate in every pose
     bool finite = false;   ///< every position
     bool falling = false;  ///< energy never rose; also where it was not measured
-    EnergyTrace energy;
-    simulate::Certificate certificate;  ///< of the last drape; seconds: all
+    double energy_rise = std::numeric_limits<double>::quiet_NaN();  ///< largest of one step [m], see EnergyTrace
+    simulate::Certificate certificate;                              ///< of the last drape; seconds: all
     int iterations = 0, vertices = 0;
 
     bool passed() const { return rests && finite && falling; }
 };
 
+/// What a case may take; what is absent is the scene's own.
+struct StabilityBudget {
+    std::optional<int> iterations;  ///< of a try to come to rest, 1 to 1000000
+    std::optional<int> tries;       ///< after the first, see simulate/ladder.h, 0 to 3
+};
+
 struct StabilityOptions {
     std::vector<std::string> solver = {"implicit"};
-    std::string filter;  ///< cases whose name holds this text; empty: all
-    bool quick = false;  ///< the quick ones alone
+    std::string filter;                   ///< cases whose name holds this text; empty: all
+    bool quick = false;                   ///< the quick ones alone
+    bool resume = false;                  ///< keep the outcomes that the folder has, and run what is missing
+    std::vector<StabilityOutcome> known;  ///< outcomes that need not be found again; they are part of the result
+    StabilityBudget budget;
     generate::ProgressCallback progress;
-    const std::atomic<bool>* interrupted = nullptr;  ///< checked between cases
+    std::function<void(const std::vector<StabilityOutcome>&)> store;  ///< called after each case with all so far
+    const std::atomic<bool>* interrupted = nullptr;                   ///< checked between cases
 };
 
 /// The solvers that simulations can be made with, in the order they are shown.
@@ -65,10 +78,11 @@ const std::vector<std::string>& solver_names();
 std::string missing_solver(const std::string& solver);
 
 /// Drapes one case. Never throws for what a solver makes of it.
-StabilityOutcome run_stability_case(const StabilityCase& one, const std::string& solver);
+StabilityOutcome run_stability_case(const StabilityCase& one, const std::string& solver,
+                                    const StabilityBudget& budget = {});
 
-/// All cases asked for, one after the other so that times can be compared, by solver. Throws Error where the filter
-/// leaves nothing.
+/// All cases asked for, one after the other so that times can be compared, and what was known, by solver, in the
+/// suite's order. Throws Error where the filter leaves nothing.
 std::vector<StabilityOutcome> run_stability(const StabilityOptions& options);
 
 }  // namespace toile::evaluate
