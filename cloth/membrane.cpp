@@ -144,4 +144,14 @@ TriangleHessian membrane_projected_hessian(const MembraneStencil& stencil, const
     return hessian;
 }
 
+Eigen::Matrix3d membrane_softening(const MembraneStencil& stencil, const MembraneStiffness& stiffness,
+                                   const TrianglePositions& x) {
+    const Response r = respond(stencil, stiffness, x, false);
+    const Eigen::Vector3d pressed = r.stress - positive_part(r.stress);
+    const auto& g = stencil.corner_gradient;
+    const Eigen::Vector3d along_u = pressed[0] * g.col(0) + pressed[2] * g.col(1);
+    const Eigen::Vector3d along_v = pressed[2] * g.col(0) + pressed[1] * g.col(1);
+    return stencil.area * (g.col(0) * along_u.transpose() + g.col(1) * along_v.transpose());
+}
+
 }  // namespace toile

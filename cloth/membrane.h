@@ -53,5 +53,9 @@ TriangleHessian membrane_hessian(const MembraneStencil& stencil, const MembraneS
 /// tension field it is the true Hessian.
 TriangleHessian membrane_projected_hessian(const MembraneStencil& stencil, const MembraneStiffness& stiffness,
                                            const TrianglePositions& x);
+/// What the projection takes from the geometric term: the 3x3 blocks of the true Hessian, less those of the projected
+/// one, are these numbers, by corner and corner, times the identity. (The squeeze stays projected.)
+Eigen::Matrix3d membrane_softening(const MembraneStencil& stencil, const MembraneStiffness& stiffness,
+                                   const TrianglePositions& x);
 
 }  // namespace toile

@@ -90,4 +90,8 @@ bool CoupledHessian::factor_and_solve(double* x) {
     return own_cholesky_->factor_and_solve(own_.data(), x).all();
 }
 
+void CoupledHessian::solve(double* x) const {
+    (coupled_ ? coupled_cholesky_ : own_cholesky_)->solve(x);
+}
+
 }  // namespace toile::simulate

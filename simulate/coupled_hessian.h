@@ -32,6 +32,8 @@ class CoupledHessian {
 
     /// False where the matrix is not positive definite; x `[V x 3]` is then meaningless.
     bool factor_and_solve(double* x);
+    /// With the last factor, in place.
+    void solve(double* x) const;
 
   private:
     bool holds(const std::vector<std::array<int, 4>>& stencils) const;

@@ -101,6 +101,8 @@ std::vector<std::pair<int, int>> Elasticity::pairs() const {
 }
 
 void Elasticity::bind(const BlockSymbolic& symbolic) {
+    pair_ = symbolic.pair();
+    opposite_.clear();
     for (Triangle& t : triangle_)
         for (int i = 0; i < 3; ++i) t.slot[i] = symbolic.slot(t.vertex[i], t.vertex[(i + 1) % 3]);
     for (FoldedHinge& hinge : folded_hinge_)
@@ -117,6 +119,7 @@ void Elasticity::bind(const BlockSymbolic& symbolic) {
             } else {
                 flat_hessian_[hinge.vertex[i]] += std::abs(value);
                 flat_hessian_[hinge.vertex[j]] += std::abs(value);
+                opposite_.push_back({hinge.vertex[i], hinge.vertex[j], value});
             }
         }
     }
@@ -180,6 +183,32 @@ void Elasticity::add_hessian(const Positions& x, BlockValues& hessian) const {
         if (flat_hessian_[slot] != 0.0) hessian.add_identity(static_cast<int>(slot), flat_hessian_[slot]);
     for (const FoldedHinge& hinge : folded_hinge_)
         add_hessian(hinge, fold_projected_hessian(hinge.stencil, bending_stiffness_, gather(x, hinge.vertex)), hessian);
+}
+
+void Elasticity::find_softening(const Positions& x, std::vector<double>& softening) const {
+    softening.assign(static_cast<std::size_t>(x.rows()) + pair_.size(), 0.0);
+    for (const Triangle& t : triangle_) {
+        const Eigen::Matrix3d local = membrane_softening(t.stencil, stiffness_, gather(x, t.vertex));
+        for (int i = 0; i < 3; ++i) {
+            softening[t.vertex[i]] += local(i, i);
+            softening[t.slot[i]] += local(i, (i + 1) % 3);
+        }
+    }
+}
+
+void Elasticity::add_softened(const std::vector<double>& softening, const Positions& way, Positions& product) const {
+    const auto vertices = static_cast<int>(way.rows());
+    for (int v = 0; v < vertices; ++v) at(product, v) += softening[v] * at(way, v);
+    for (std::size_t k = 0; k < pair_.size(); ++k) {
+        const double value = softening[static_cast<std::size_t>(vertices) + k];
+        if (value == 0.0) continue;
+        at(product, pair_[k].first) += value * at(way, pair_[k].second);
+        at(product, pair_[k].second) += value * at(way, pair_[k].first);
+    }
+    for (const Opposite& pair : opposite_) {
+        at(product, pair.first) += pair.value * at(way, pair.second) - std::abs(pair.value) * at(way, pair.first);
+        at(product, pair.second) += pair.value * at(way, pair.first) - std::abs(pair.value) * at(way, pair.second);
+    }
 }
 
 }  // namespace toile::simulate

@@ -34,9 +34,13 @@ class Elasticity {
 
     double energy(const Positions& x) const;
     void add_gradient(const Positions& x, Positions& gradient) const;
-    /// The projected Hessian, positive semidefinite. (On garments the true one was indefinite in two iterations of
-    /// three and saved none.)
+    /// The projected Hessian, positive semidefinite.
     void add_hessian(const Positions& x, BlockValues& hessian) const;
+    /// What `add_hessian` lacks of the true Hessian: multiples of the identity on the graph it is bound to, in order of
+    /// slots, as far as they depend on x. Folded hinges and strain limits stay projected.
+    void find_softening(const Positions& x, std::vector<double>& softening) const;
+    /// Adds the product of all that `add_hessian` lacks with `way` `[V x 3]`.
+    void add_softened(const std::vector<double>& softening, const Positions& way, Positions& product) const;
 
   private:
     struct Triangle {
@@ -65,9 +69,15 @@ class Elasticity {
     double bending_stiffness_ = 0.0;
     std::vector<FlatHinge> flat_hinge_;  // empty without bending; else one of the two is
     std::vector<FoldedHinge> folded_hinge_;
-    bool couples_opposite_ = true;      // of flat hinges, in the Hessian
-    std::vector<double> flat_hessian_;  // of all flat hinges: what each slot's identity is multiplied with
-    Positions weight_;                  // force of gravity on each vertex [N]
+    bool couples_opposite_ = true;  // of flat hinges, in the Hessian
+    struct Opposite {
+        int first, second;
+        double value;
+    };
+    std::vector<Opposite> opposite_;         // couplings that the Hessian has on its diagonal instead
+    std::vector<std::pair<int, int>> pair_;  // of the graph it is bound to
+    std::vector<double> flat_hessian_;       // of all flat hinges: what each slot's identity is multiplied with
+    Positions weight_;                       // force of gravity on each vertex [N]
 };
 
 }  // namespace toile::simulate

@@ -10,6 +10,9 @@ namespace {
 
 /// Range of the pseudo time step while the cloth settles [s]; the upper end is statics.
 constexpr double shortest_time_step = 1e-3, longest_time_step = 1e3;
+/// From this pseudo time step on the Hessian's true curvature tells where to go [s]; before, it would have the cloth
+/// leap from where it falls to.
+constexpr double nearly_static = 1.0;
 
 }  // namespace
 
@@ -61,9 +64,10 @@ void ImplicitSolver::carry(const Positions& carried) {
 void ImplicitSolver::follow(const Positions& carried) {
     const double h = model_.scene.solver.time_step;
     carry(carried);
+    step_.moved();
     inertial_ = carried + h * velocity_;
     begin_step();
-    const ImplicitStep::Target target{&carried, &inertial_, h};
+    const ImplicitStep::Target target{&carried, &inertial_, h, false};
     for (int iteration = 0; iteration < model_.scene.schedule.path_iterations; ++iteration) {
         const ImplicitStep::Iteration done = step_.iterate(target, x_, report_);
         if (done.largest_move < model_.scene.schedule.path_tolerance) break;
@@ -76,7 +80,7 @@ void ImplicitSolver::follow(const Positions& carried) {
 
 void ImplicitSolver::settle() {
     before_ = x_;
-    const ImplicitStep::Target target{&before_, &before_, time_step_};
+    const ImplicitStep::Target target{&before_, &before_, time_step_, time_step_ >= nearly_static};
     const ImplicitStep::Iteration done = step_.iterate(target, x_, report_);
     end_step();
     double growth = 2.0;
@@ -107,7 +111,7 @@ Eigen::VectorXd ImplicitSolver::speeds() {
     const double h = model_.scene.solver.time_step;
     before_ = x_;
     Positions next = x_;
-    const ImplicitStep::Target target{&before_, &before_, h};
+    const ImplicitStep::Target target{&before_, &before_, h, false};
     DrapeReport unreported;
     step_.iterate(target, next, unreported);
     return (next - before_).rowwise().norm() / h;

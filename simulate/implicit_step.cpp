@@ -12,6 +12,8 @@ namespace {
 constexpr double largest_move = 0.03;
 constexpr double sufficient_decrease = 1e-4;
 constexpr int most_halvings = 12;
+/// What a step that led nowhere leaves of the trust region.
+constexpr double share_of_failure = 0.1;
 /// A step may be lengthened up to this many times Newton's: the projected Hessian is too stiff along a fold that is
 /// forming, and an energy costs a tenth of a factorisation.
 constexpr double longest_share = 16.0;
@@ -111,6 +113,21 @@ bool ImplicitStep::newton_direction(const Positions& x, double inertia, DrapeRep
     return definite;
 }
 
+void ImplicitStep::go_by_true_curvature(const Positions& x, DrapeReport& report) {
+    const Stopwatch watch(report.factor_seconds);
+    elasticity_.find_softening(x, softening_);
+    const auto multiply = [&](const Positions& way, Positions& product) {
+        hessian_.values().multiply(way.data(), product.data());
+        elasticity_.add_softened(softening_, way, product);
+        clear_pinned(product);
+    };
+    const auto precondition = [&](const Positions& residual, Positions& way) {
+        way = residual;
+        hessian_.solve(way.data());
+    };
+    region_.improve(gradient_, multiply, precondition, direction_);
+}
+
 bool ImplicitStep::make_safe(const Positions& x, DrapeReport& report) {
     const Stopwatch watch(report.self_contact_seconds);
     trial_ = direction_;
@@ -142,14 +159,8 @@ double ImplicitStep::lengthen(const Target& target, const Positions& x, double s
     return share;
 }
 
-ImplicitStep::Iteration ImplicitStep::iterate(const Target& target, Positions& x, DrapeReport& report) {
+ImplicitStep::Iteration ImplicitStep::descend(const Target& target, Positions& x, DrapeReport& report) {
     constexpr Iteration failed{most_halvings, 0.0, 0.0};
-    ++report.iterations;
-    const double inertia = 1.0 / (target.time_step * target.time_step) + damping_ / target.time_step;
-    linearise(x, report);
-    gradient_of(target, x);
-    if (!gradient_.allFinite()) return failed;
-    if (!newton_direction(x, inertia, report)) return failed;
     const Stopwatch watch(report.line_search_seconds);
     double longest = std::sqrt(direction_.rowwise().squaredNorm().maxCoeff());
     if (!std::isfinite(longest)) return failed;
@@ -166,13 +177,28 @@ ImplicitStep::Iteration ImplicitStep::iterate(const Target& target, Positions& x
         // Near the minimum rounding hides the decrease: a change within rounding of Φ counts as one.
         const double after = energy(target, trial_);
         if (after <= before + sufficient_decrease * share * slope + 1e-14 * std::abs(before)) {
-            if (halving == 0) share = lengthen(target, x, share, longest, after);
+            if (halving == 0 && !target.true_curvature) share = lengthen(target, x, share, longest, after);
             x += share * direction_;
-            return {halving, share, share * longest};
+            return {halving, share, share * longest, before - after};
         }
         ++report.line_search_halvings;
     }
     return failed;
+}
+
+ImplicitStep::Iteration ImplicitStep::iterate(const Target& target, Positions& x, DrapeReport& report) {
+    constexpr Iteration failed{most_halvings, 0.0, 0.0};
+    ++report.iterations;
+    const double inertia = 1.0 / (target.time_step * target.time_step) + damping_ / target.time_step;
+    linearise(x, report);
+    gradient_of(target, x);
+    if (!gradient_.allFinite()) return failed;
+    if (!newton_direction(x, inertia, report)) return failed;
+    if (!target.true_curvature) return descend(target, x, report);
+    go_by_true_curvature(x, report);
+    const Iteration done = descend(target, x, report);
+    region_.learn(done.step_share > 0.0 ? done.step_share : share_of_failure, done.decrease);
+    return done;
 }
 
 }  // namespace toile::simulate

@@ -81,5 +81,26 @@ TEST(Membrane, ProjectedHessianIsPositiveSemidefiniteAndExactInTension) {
               1e-3 * membrane_hessian(stencil, jersey, compressed).norm());
 }
 
+TEST(Membrane, SofteningIsWhatTheProjectionTook) {
+    const MembraneStencil stencil = membrane_stencil(one_triangle(), 0);
+    double largest = 0.0;
+    const TrianglePositions rest = one_triangle().rest_position.transpose();
+    Eigen::Matrix3d pressed = Eigen::Matrix3d::Identity(), folding = pressed;  // too little for the squeeze to act
+    pressed << 0.95, 0.02, 0, -0.01, 0.93, 0, 0.2, -0.1, 1;
+    folding << 1.1, 0.05, 0, 0.02, 0.92, 0, 0.1, 0.1, 1;
+    for (const TrianglePositions& x :
+         {deformed().front(), TrianglePositions(pressed * rest), TrianglePositions(folding * rest)}) {
+        const TriangleHessian exact = membrane_hessian(stencil, jersey, x);
+        const Eigen::Matrix3d softening = membrane_softening(stencil, jersey, x);
+        TriangleHessian restored = membrane_projected_hessian(stencil, jersey, x);
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                restored.block<3, 3>(3 * i, 3 * j) += softening(i, j) * Eigen::Matrix3d::Identity();
+        EXPECT_LT((restored - exact).norm(), 1e-12 * exact.norm());
+        largest = std::max(largest, softening.norm());
+    }
+    EXPECT_GT(largest, 0.0);
+}
+
 }  // namespace
 }  // namespace toile

@@ -145,5 +145,33 @@ TEST(Elasticity, RestHasNoForceButWeight) {
     EXPECT_LT(gradient.col(0).norm() + gradient.col(2).norm(), 1e-9);
 }
 
+TEST(Elasticity, WithItsSofteningTheHessianIsTheGradientsDerivative) {
+    // Weak bending, whose couplings across a hinge are not in the graph, and cloth that is pressed.
+    const Fixture f;
+    Elasticity elasticity(f.mesh, f.topology, {}, BendingOptions{1e-7}, {0, -9.81, 0});
+    const auto symbolic = std::make_shared<const BlockSymbolic>(f.mesh.vertex_count(), elasticity.pairs());
+    ASSERT_EQ(symbolic->pair().size(), static_cast<size_t>(f.topology.edge.rows())) << "bending is not weak";
+    elasticity.bind(*symbolic);
+    const Positions x = 0.97 * f.x;
+    BlockValues hessian(symbolic);
+    elasticity.add_hessian(x, hessian);
+    std::vector<double> softening;
+    elasticity.find_softening(x, softening);
+    const auto gradient = [&](const Eigen::VectorXd& at) -> Eigen::VectorXd {
+        Positions rows = Positions::Zero(x.rows(), 3);
+        elasticity.add_gradient(test::rows(at), rows);
+        return test::flat(rows);
+    };
+    Eigen::MatrixXd whole = dense(hessian), projected = whole;
+    for (int k = 0; k < whole.cols(); ++k) {
+        Positions product = test::rows(whole.col(k));
+        elasticity.add_softened(softening, test::rows(Eigen::VectorXd::Unit(whole.cols(), k)), product);
+        whole.col(k) = test::flat(product);
+    }
+    EXPECT_GT((whole - projected).norm(), 1e-3 * projected.norm());
+    const auto check = test::check_jacobian(gradient, whole, test::flat(x), 0.02, 1e-6);
+    EXPECT_TRUE(check.passed) << check.message;
+}
+
 }  // namespace
 }  // namespace toile::simulate
