@@ -11,27 +11,22 @@
 
 namespace toile::evaluate {
 
-void EnergyTrace::add(double energy, bool first) {
-    if (std::isnan(energy)) return;
+void EnergyTrace::add(const simulate::EnergySample& sample) {
+    constexpr double rounding = 1e-6;  // [m]
+    if (std::isnan(sample.energy)) return;
     measured_ = true;
-    if (!first) {
+    if (!sample.first) {
         ++steps_;
-        const double rise = (energy - last_) / weight_;
+        const double rise = (sample.energy - last_ - held_) / weight_;
         rise_ = std::max(rise_, rise);
-        if (rise > allowed_) ++rises_;
+        if (rise > rounding) ++rises_;
     }
-    last_ = energy;
+    last_ = sample.energy;
+    held_ = sample.held_by_friction;
 }
 
 double EnergyTrace::largest_rise() const {
     return measured_ ? rise_ : std::numeric_limits<double>::quiet_NaN();
-}
-
-double allowed_rise(const simulate::DrapeScene& scene) {
-    constexpr double rounding = 1e-6, longest_stick = 3e-4;
-    double friction = scene.contact ? scene.contact->friction : 0.0;
-    if (scene.self_contact) friction = std::max(friction, scene.self_contact->friction);
-    return rounding + 0.5 * friction * longest_stick;
 }
 
 const std::vector<std::string>& solver_names() {
@@ -55,8 +50,8 @@ std::string missing_solver(const std::string& solver) {
 namespace {
 
 void drape_case(const StabilityScene& scene, StabilityOutcome& outcome) {
-    EnergyTrace trace(9.81 * scene.drape.mesh.mass.sum(), allowed_rise(scene.drape));
-    const simulate::EnergyWatch watch = [&](double energy, bool first) { trace.add(energy, first); };
+    EnergyTrace trace(9.81 * scene.drape.mesh.mass.sum());
+    const simulate::EnergyWatch watch = [&](const simulate::EnergySample& sample) { trace.add(sample); };
     const simulate::Draper draper(scene.drape);
     simulate::DrapeResult result = draper.drape_neutral(watch);
     double seconds = result.certificate.seconds;

@@ -13,31 +13,28 @@
 
 namespace toile::evaluate {
 
-/// How often and how far a drape's energy went up on its way to rest, the solids standing still.
+/// How often and how far a drape's energy went up on its way to rest, the solids standing still. Friction's springs are
+/// not counted as the cloth's energy: they are made anew where a contact's load changes, with the same force and
+/// another stiffness. What they hold before a step the step may give back to the cloth; what rises by more came from
+/// nowhere.
 class EnergyTrace {
   public:
-    /// Energy is told in metres: how far it would lift the garment, of this weight [N]. `allowed`: a rise of one step
-    /// that is not counted [m].
-    explicit EnergyTrace(double weight = 1.0, double allowed = 0.0) : weight_(weight), allowed_(allowed) {}
+    /// Energy is told in metres: how far it would lift the garment, of this weight [N].
+    explicit EnergyTrace(double weight = 1.0) : weight_(weight) {}
 
-    /// Next energy [J]; `first` where the cloth sets out. NaN: not measured.
-    void add(double energy, bool first);
+    /// Next energy. NaN: not measured.
+    void add(const simulate::EnergySample& sample);
 
     bool measured() const { return measured_; }
     int steps() const { return steps_; }  ///< between two energies of one try
-    int rises() const { return rises_; }  ///< steps that raised it by more than is allowed
-    double largest_rise() const;          ///< of one step [m]; NaN where nothing was measured
+    int rises() const { return rises_; }  ///< steps that raised it by more than a micrometre, which is left to rounding
+    double largest_rise() const;          ///< of one step [m], without what springs held; NaN: nothing was measured
 
   private:
-    double weight_, allowed_, last_ = 0, rise_ = 0;
+    double weight_, last_ = 0, held_ = 0, rise_ = 0;
     int steps_ = 0, rises_ = 0;
     bool measured_ = false;
 };
-/// The rise of one step that counts for nothing [m]: a micrometre for rounding, and what friction's springs can hold of
-/// a garment that rests on its contacts, half of friction times the 0.3 mm by which they give way. Where a contact's
-/// load changes they are made anew with the same force and another stiffness (Contact::stick_spring), so that much may
-/// appear.
-double allowed_rise(const simulate::DrapeScene& scene);
 
 /// What became of one case with one solver.
 struct StabilityOutcome {

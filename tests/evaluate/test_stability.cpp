@@ -19,26 +19,36 @@ StabilityCase case_named(const std::string& name) {
 }
 
 TEST(EnergyTrace, CountsRisesInHeightOfTheGarment) {
-    EnergyTrace trace(2.0, 1e-6);
-    for (const double energy : {5.0, 3.0, 3.0 + 1e-6, 4.0}) trace.add(energy, energy == 5.0);
+    EnergyTrace trace(2.0);
+    for (const double energy : {5.0, 3.0, 3.0 + 1e-6, 4.0}) trace.add({energy, 0.0, energy == 5.0});
     EXPECT_TRUE(trace.measured());
     EXPECT_EQ(trace.steps(), 3);
     EXPECT_EQ(trace.rises(), 1) << "a rounding error is none, half a metre is not";
     EXPECT_NEAR(trace.largest_rise(), 0.5, 1e-6);
 }
 
+TEST(EnergyTrace, SpringsMayGiveBackWhatTheyHeldAndNoMore) {
+    EnergyTrace trace(1.0);
+    trace.add({1.0, 0.5, true});
+    trace.add({1.4, 0.0, false});
+    EXPECT_EQ(trace.rises(), 0) << "they held half a joule";
+    trace.add({1.5, 0.5, false});
+    EXPECT_EQ(trace.rises(), 1) << "they held nothing before this step";
+    EXPECT_NEAR(trace.largest_rise(), 0.1, 1e-12);
+}
+
 TEST(EnergyTrace, ANewTryMaySetOutFromHigherUp) {
     EnergyTrace trace(1.0);
-    trace.add(1.0, true);
-    trace.add(9.0, true);
-    trace.add(8.0, false);
+    trace.add({1.0, 0.0, true});
+    trace.add({9.0, 0.0, true});
+    trace.add({8.0, 0.0, false});
     EXPECT_EQ(trace.rises(), 0);
     EXPECT_EQ(trace.largest_rise(), 0.0);
 }
 
 TEST(EnergyTrace, WithoutAnEnergyNothingIsClaimed) {
     EnergyTrace trace(1.0);
-    trace.add(std::numeric_limits<double>::quiet_NaN(), true);
+    trace.add({std::numeric_limits<double>::quiet_NaN(), 0.0, true});
     EXPECT_FALSE(trace.measured());
     EXPECT_TRUE(std::isnan(trace.largest_rise()));
 }
