@@ -10,23 +10,9 @@
 namespace toile::simulate {
 namespace {
 
-/// A side of a triangle that is squeezed below this share of its length counts as that long where a step is sized: its
-/// strain's gradient vanishes, and Newton's step would throw its ends apart.
-constexpr double shortest_stretch = 0.5;
-/// A kept force whose direction lags behind by a step is stable up to q/m times its geometric stiffness of 4; this is
-/// for one triangle of those around a vertex.
-constexpr double largest_lag = 2.0;
 /// What a force resists to turning counts this much more than stiffness along it: sweeps find the one implicitly, the
 /// other acts a step late.
 constexpr double turning_weight = 10.0;
-/// A block up to this stiff, as q D G, keeps its force in full, a stiffer one less: sweeps approach the forces of stiff
-/// blocks slowly, and kept in full the rest would build up and overshoot, step after step (integral windup).
-constexpr double largest_kept_stiffness = 4.0;
-
-double kept_share(double stiffness) {
-    return stiffness > largest_kept_stiffness ? largest_kept_stiffness / stiffness : 1.0;
-}
-
 template <class Block>
 Deformation deformation_of(const Block& block, const Positions& x) {
     Deformation f = Deformation::Zero();
@@ -34,46 +20,9 @@ Deformation deformation_of(const Block& block, const Positions& x) {
     return f;
 }
 
-/// Columns: the membrane's force flux through the pattern's u and v, F S with S = (uu, vv, uv).
-Deformation flux_of(const Deformation& f, const Eigen::RowVector3d& s) {
-    Deformation flux;
-    flux.col(0) = s[0] * f.col(0) + s[2] * f.col(1);
-    flux.col(1) = s[2] * f.col(0) + s[1] * f.col(1);
-    return flux;
-}
-
-/// G = J M⁻¹ Jᵀ for the strains (uu, vv, 2uv), from g = Σ (1/m) ∇N ∇Nᵀ.
-Eigen::Matrix3d strain_mobility(const Deformation& f, const Eigen::Matrix2d& g) {
-    constexpr double least = shortest_stretch * shortest_stretch;
-    const double uu = std::max(f.col(0).squaredNorm(), least), vv = std::max(f.col(1).squaredNorm(), least),
-                 uv = f.col(0).dot(f.col(1));
-    Eigen::Matrix3d mobility;
-    mobility(0, 0) = g(0, 0) * uu;
-    mobility(1, 1) = g(1, 1) * vv;
-    mobility(2, 2) = g(0, 0) * vv + g(1, 1) * uu + 2.0 * g(0, 1) * uv;
-    mobility(0, 1) = mobility(1, 0) = g(0, 1) * uv;
-    mobility(0, 2) = mobility(2, 0) = g(0, 0) * uv + g(0, 1) * uu;
-    mobility(1, 2) = mobility(2, 1) = g(0, 1) * vv + g(1, 1) * uv;
-    return mobility;
-}
-
-template <class Hinge>
-Eigen::RowVector3d curvature_of(const Hinge& hinge, const Positions& x) {
-    Eigen::RowVector3d curvature = Eigen::RowVector3d::Zero();
-    for (int i = 0; i < 4; ++i) curvature += hinge.weight[i] * x.row(hinge.vertex[i]);
-    return curvature;
-}
-
-/// The part of v along a direction; all of it where there is none. A hinge's force has no torque where it is along the
-/// curvature.
-Eigen::RowVector3d along(const Eigen::RowVector3d& direction, const Eigen::RowVector3d& v) {
-    const double squared = direction.squaredNorm();
-    return squared > 0.0 ? Eigen::RowVector3d(v.dot(direction) / squared * direction) : v;
-}
-
 /// Of the symmetric matrix (uu, vv, uv).
 double spectral_norm(const Eigen::RowVector3d& s) {
-    return std::abs(0.5 * (s[0] + s[1])) + std::hypot(0.5 * (s[0] - s[1]), s[2]);
+    return std::abs(0.5 * (s[0] + s[1])) + std::sqrt(0.25 * (s[0] - s[1]) * (s[0] - s[1]) + s[2] * s[2]);
 }
 
 Eigen::Matrix2d weighted_gradients(const XpbdMobility& mobility, const int (&vertex)[3],
@@ -82,25 +31,6 @@ Eigen::Matrix2d weighted_gradients(const XpbdMobility& mobility, const int (&ver
     for (int i = 0; i < 3; ++i)
         weighted += mobility.inverse_mass[vertex[i]] * gradient.row(i).transpose() * gradient.row(i);
     return weighted;
-}
-
-/// Stress and its derivative in the strain (uu, vv, 2uv), per unit of pattern area.
-struct Response {
-    Eigen::Vector3d stress;
-    Eigen::Matrix3d tangent;
-};
-
-Response respond(const MembraneStiffness& c, const Deformation& f) {
-    const Eigen::Vector3d strain(0.5 * (f.col(0).squaredNorm() - 1.0), 0.5 * (f.col(1).squaredNorm() - 1.0),
-                                 f.col(0).dot(f.col(1)));
-    if (c.compression == Compression::tension_field) {
-        const TensionField field = tension_field(c, strain);
-        return {field.stress, field.tangent};
-    }
-    Response r;
-    r.tangent << c.uu, c.uv, 0, c.uv, c.vv, 0, 0, 0, c.shear;
-    r.stress = r.tangent * strain;
-    return r;
 }
 
 /// C = √(2ψ) of cloth/squeeze.h and ∂C/∂F; both zero where nothing is squeezed.
@@ -152,6 +82,7 @@ XpbdConstraints::XpbdConstraints(const ClothMesh& mesh, const Topology& topology
     : stiffness_(MembraneStiffness::from_moduli(membrane.weft_stiffness, membrane.warp_stiffness,
                                                 membrane.shear_stiffness, membrane.poisson_ratio,
                                                 membrane.compression)),
+      membrane_(mesh, stiffness_),
       strain_limit_(strain_limit) {
     for (int f = 0; f < mesh.triangle_count(); ++f) {
         const auto t = mesh.triangle.row(f);
@@ -173,36 +104,41 @@ void XpbdConstraints::add_hinges(const ClothMesh& mesh, const Topology& topology
             continue;
         }
         const BendingStencil stencil = bending_stencil(mesh, v.transpose(), first, second);
-        Hinge& hinge = hinge_.emplace_back();
-        for (int i = 0; i < 4; ++i) {
-            hinge.vertex[i] = v[i];
-            hinge.weight[i] = stencil.weight[i];
-        }
-        hinge.stiffness = options.stiffness * stencil.scale;
+        bending_.add({v[0], v[1], v[2], v[3]},
+                     {stencil.weight[0], stencil.weight[1], stencil.weight[2], stencil.weight[3]},
+                     options.stiffness * stencil.scale);
     }
+    bending_.finish();
 }
 
 XpbdForces XpbdConstraints::no_forces() const {
     return {Positions::Zero(static_cast<int>(triangle_.size()), 3),
             Eigen::VectorXd::Zero(static_cast<int>(triangle_.size())),
             PlanePositions::Zero(strain_limit_ ? static_cast<int>(triangle_.size()) : 0, 2),
-            Positions::Zero(static_cast<int>(hinge_.size()), 3),
-            Eigen::VectorXd::Zero(static_cast<int>(folded_hinge_.size()))};
+            Positions::Zero(bending_.count(), 3), Eigen::VectorXd::Zero(static_cast<int>(folded_hinge_.size()))};
 }
 
-void XpbdConstraints::add_forces(const Positions& start, const XpbdForces& forces, Positions& total) const {
-    for (size_t k = 0; k < triangle_.size(); ++k) {
-        const Triangle& triangle = triangle_[k];
-        const Deformation f = deformation_of(triangle, start);
-        Deformation flux = flux_of(f, forces.membrane.row(k));
-        if (forces.squeeze[k] != 0.0) flux += forces.squeeze[k] * SqueezeConstraint(stiffness_, f).gradient;
-        if (strain_limit_)
-            for (int axis = 0; axis < 2; ++axis) flux.col(axis) += forces.limit(k, axis) * f.col(axis).normalized();
+void XpbdConstraints::begin(const XpbdMobility& mobility, const Positions& start, XpbdForces& forces,
+                            Positions& total) const {
+    membrane_.begin(mobility, start, forces.membrane, total);
+    bending_.begin(start, forces.bending, total);
+    const auto push = [&](const Triangle& triangle, const Deformation& flux) {
         for (int i = 0; i < 3; ++i)
             total.row(triangle.vertex[i]) -= (flux * triangle.stencil.corner_gradient.row(i).transpose()).transpose();
+    };
+    for (size_t k = 0; k < triangle_.size(); ++k) {
+        const Triangle& triangle = triangle_[k];
+        if (forces.squeeze[k] != 0.0)
+            push(triangle, forces.squeeze[k] * SqueezeConstraint(stiffness_, deformation_of(triangle, start)).gradient);
+        if (!strain_limit_) continue;
+        Deformation flux = deformation_of(triangle, start).colwise().normalized();
+        for (int axis = 0; axis < 2; ++axis) {
+            const double lagging = lag(mobility, triangle, forces.limit(k, axis));
+            if (lagging > largest_lag) forces.limit(k, axis) *= largest_lag / lagging;
+            flux.col(axis) *= forces.limit(k, axis);
+        }
+        push(triangle, flux);
     }
-    for (size_t k = 0; k < hinge_.size(); ++k)
-        for (int i = 0; i < 4; ++i) total.row(hinge_[k].vertex[i]) -= hinge_[k].weight[i] * forces.bending.row(k);
     for (size_t k = 0; k < folded_hinge_.size(); ++k) {
         const FoldMeasure measure = fold_measure(folded_hinge_[k].stencil, corners_of(folded_hinge_[k], start));
         for (int i = 0; i < 4; ++i)
@@ -212,26 +148,24 @@ void XpbdConstraints::add_forces(const Positions& start, const XpbdForces& force
 
 void XpbdConstraints::follow_forces(const XpbdMobility& mobility, const Positions& x, const XpbdForces& reached,
                                     XpbdForces& kept) const {
+    membrane_.follow(mobility, reached.membrane, kept.membrane);
+    bending_.follow(mobility, reached.bending, kept.bending);
+    follow_scalars(mobility, x, reached, kept);
+}
+
+void XpbdConstraints::follow_scalars(const XpbdMobility& mobility, const Positions& x, const XpbdForces& reached,
+                                     XpbdForces& kept) const {
     const double q = mobility.squared_time;
     for (size_t k = 0; k < triangle_.size(); ++k) {
+        if (reached.squeeze[k] == 0.0 && kept.squeeze[k] == 0.0 && !strain_limit_) continue;
         const Triangle& triangle = triangle_[k];
         const Eigen::Matrix2d g = weighted_gradients(mobility, triangle.vertex, triangle.stencil.corner_gradient);
-        const MembraneStiffness& c = stiffness_;
-        const double stiff = q * triangle.stencil.area * (c.uu * g(0, 0) + c.vv * g(1, 1) + c.shear * g.trace());
-        kept.membrane.row(k) += kept_share(stiff) * (reached.membrane.row(k) - kept.membrane.row(k));
+        const double stiff = q * triangle.stencil.area * std::max(stiffness_.uu, stiffness_.vv) * g.trace();
         kept.squeeze[k] += kept_share(stiff) * (reached.squeeze[k] - kept.squeeze[k]);
         for (int axis = 0; strain_limit_ && axis < 2; ++axis) {
-            const double slope = 2.0 * std::sqrt(limit_stiffness(triangle) * reached.limit(k, axis));
-            kept.limit(k, axis) +=
-                kept_share(q * slope * g(axis, axis)) * (reached.limit(k, axis) - kept.limit(k, axis));
+            const double limit_stiff = q * limit_slope(triangle, reached.limit(k, axis)) * g(axis, axis);
+            kept.limit(k, axis) += kept_share(limit_stiff) * (reached.limit(k, axis) - kept.limit(k, axis));
         }
-    }
-    for (size_t k = 0; k < hinge_.size(); ++k) {
-        double squared_weight = 0.0;
-        for (int i = 0; i < 4; ++i)
-            squared_weight += mobility.inverse_mass[hinge_[k].vertex[i]] * hinge_[k].weight[i] * hinge_[k].weight[i];
-        kept.bending.row(k) +=
-            kept_share(q * hinge_[k].stiffness * squared_weight) * (reached.bending.row(k) - kept.bending.row(k));
     }
     for (size_t k = 0; k < folded_hinge_.size(); ++k) {
         const FoldedHinge& hinge = folded_hinge_[k];
@@ -239,35 +173,8 @@ void XpbdConstraints::follow_forces(const XpbdMobility& mobility, const Position
         double yield = 0.0;
         for (int i = 0; i < 4; ++i)
             yield += mobility.inverse_mass[hinge.vertex[i]] * measure.gradient.segment<3>(3 * i).squaredNorm();
-        const double stiff = q * bending_stiffness_ * yield;
-        kept.folding[k] += kept_share(stiff) * (reached.folding[k] - kept.folding[k]);
+        kept.folding[k] += kept_share(q * bending_stiffness_ * yield) * (reached.folding[k] - kept.folding[k]);
     }
-}
-
-void XpbdConstraints::sweep_triangle(const XpbdMobility& mobility, const Triangle& triangle, const Positions& start,
-                                     Eigen::Ref<Eigen::RowVector3d> force, Positions& x) const {
-    const double q = mobility.squared_time;
-    const auto& gradient = triangle.stencil.corner_gradient;
-    const Deformation now = deformation_of(triangle, x), begun = deformation_of(triangle, start);
-    const Response response = respond(stiffness_, now);
-    const Eigen::Matrix2d weighted = weighted_gradients(mobility, triangle.vertex, gradient);
-    const Eigen::Matrix3d tangent = triangle.stencil.area * response.tangent;
-    const Eigen::Vector3d lacking = triangle.stencil.area * response.stress - force.transpose();
-    const auto change_along = [&](const Deformation& f) -> Eigen::RowVector3d {
-        const Eigen::Matrix3d system = Eigen::Matrix3d::Identity() + q * tangent * strain_mobility(f, weighted);
-        return (system.inverse() * lacking).transpose();
-    };
-    const Deformation* direction = &begun;
-    Eigen::RowVector3d change = change_along(begun);
-    if (lag(mobility, triangle, force + change) > largest_lag) {
-        direction = &now;
-        change = change_along(now);
-    }
-    force += change;
-    const Deformation flux = flux_of(*direction, change);
-    for (int i = 0; i < 3; ++i)
-        x.row(triangle.vertex[i]) -=
-            q * mobility.inverse_mass[triangle.vertex[i]] * (flux * gradient.row(i).transpose()).transpose();
 }
 
 void XpbdConstraints::sweep_squeeze(const XpbdMobility& mobility, const Triangle& triangle, const Positions& start,
@@ -309,11 +216,11 @@ void XpbdConstraints::sweep_folded(const XpbdMobility& mobility, const FoldedHin
     mend<4>(mobility, hinge.vertex, bending_stiffness_, measure.value, gradient, force, x);
 }
 
-double XpbdConstraints::lag(const XpbdMobility& mobility, const Triangle& triangle, const Eigen::RowVector3d& force) {
+double XpbdConstraints::lag(const XpbdMobility& mobility, const Triangle& triangle, double stress) {
     const Eigen::Vector3d slope = triangle.stencil.corner_gradient.rowwise().norm();
     double most = 0.0;
     for (int i = 0; i < 3; ++i) most = std::max(most, mobility.inverse_mass[triangle.vertex[i]] * slope[i]);
-    return mobility.squared_time * spectral_norm(force) * most * slope.sum();
+    return mobility.squared_time * stress * most * slope.sum();
 }
 
 void XpbdConstraints::add_stiffness(const Positions& x, const XpbdForces& forces, Eigen::VectorXd& stiffness) const {
@@ -330,11 +237,7 @@ void XpbdConstraints::add_stiffness(const Positions& x, const XpbdForces& forces
         }
         for (int i = 0; i < 3; ++i) stiffness[triangle.vertex[i]] += both * slope.sum() * slope[i];
     }
-    for (const Hinge& hinge : hinge_) {
-        double sum = 0.0;
-        for (double weight : hinge.weight) sum += std::abs(weight);
-        for (int i = 0; i < 4; ++i) stiffness[hinge.vertex[i]] += hinge.stiffness * sum * std::abs(hinge.weight[i]);
-    }
+    bending_.add_stiffness(stiffness);
     for (const FoldedHinge& hinge : folded_hinge_) {
         const FoldMeasure measure = fold_measure(hinge.stencil, corners_of(hinge, x));
         double size[4], sum = 0.0;
@@ -343,42 +246,15 @@ void XpbdConstraints::add_stiffness(const Positions& x, const XpbdForces& forces
     }
 }
 
-void XpbdConstraints::turn_forces(const XpbdMobility& mobility, const Positions& start, XpbdForces& forces) const {
-    for (size_t k = 0; k < triangle_.size(); ++k) {
-        const double lagging = lag(mobility, triangle_[k], forces.membrane.row(k));
-        if (lagging > largest_lag) forces.membrane.row(k) *= largest_lag / lagging;
-        for (int axis = 0; strain_limit_ && axis < 2; ++axis) {
-            const double also = lag(mobility, triangle_[k], {forces.limit(k, axis), 0.0, 0.0});
-            if (also > largest_lag) forces.limit(k, axis) *= largest_lag / also;
-        }
-    }
-    for (size_t k = 0; k < hinge_.size(); ++k)
-        forces.bending.row(k) = along(curvature_of(hinge_[k], start), forces.bending.row(k));
-}
-
-void XpbdConstraints::sweep_hinge(const XpbdMobility& mobility, const Hinge& hinge, const Positions& start,
-                                  Eigen::Ref<Eigen::RowVector3d> force, Positions& x) {
-    double squared_weight = 0.0;
-    for (int i = 0; i < 4; ++i)
-        squared_weight += mobility.inverse_mass[hinge.vertex[i]] * hinge.weight[i] * hinge.weight[i];
-    const double q = mobility.squared_time;
-    const Eigen::RowVector3d lacking = hinge.stiffness * curvature_of(hinge, x) - force;
-    const Eigen::RowVector3d change =
-        along(curvature_of(hinge, start), lacking) / (1.0 + q * hinge.stiffness * squared_weight);
-    force += change;
-    for (int i = 0; i < 4; ++i)
-        x.row(hinge.vertex[i]) -= q * mobility.inverse_mass[hinge.vertex[i]] * hinge.weight[i] * change;
-}
-
 void XpbdConstraints::sweep(const XpbdMobility& mobility, const Positions& start, XpbdForces& forces,
                             Positions& x) const {
-    for (size_t k = 0; k < triangle_.size(); ++k) {
-        sweep_triangle(mobility, triangle_[k], start, forces.membrane.row(k), x);
-        if (stiffness_.compression == Compression::full)
-            sweep_squeeze(mobility, triangle_[k], start, forces.squeeze[k], x);
-        if (strain_limit_) sweep_limit(mobility, triangle_[k], start, forces.limit.row(k), x);
-    }
-    for (size_t k = 0; k < hinge_.size(); ++k) sweep_hinge(mobility, hinge_[k], start, forces.bending.row(k), x);
+    const auto squeezed = [&](int k) { sweep_squeeze(mobility, triangle_[k], start, forces.squeeze[k], x); };
+    const bool full = stiffness_.compression == Compression::full;
+    membrane_.sweep(mobility, {start, forces.membrane, x, full ? std::function<void(int)>(squeezed) : nullptr,
+                               forces.squeeze.data()});
+    for (size_t k = 0; strain_limit_ && k < triangle_.size(); ++k)
+        sweep_limit(mobility, triangle_[k], start, forces.limit.row(k), x);
+    bending_.sweep(mobility, start, forces.bending, x);
     for (size_t k = 0; k < folded_hinge_.size(); ++k) sweep_folded(mobility, folded_hinge_[k], forces.folding[k], x);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -10,6 +11,9 @@
 #include "cloth/strain_limit.h"
 #include "cloth/topology.h"
 #include "simulate/material.h"
+#include "simulate/xpbd_bending.h"
+#include "simulate/xpbd_membrane.h"
+#include "simulate/xpbd_mobility.h"
 
 namespace toile::simulate {
 
@@ -21,12 +25,6 @@ struct XpbdForces {
     PlanePositions limit;     ///< `[F x 2]` pattern area times the strain limit's tension [N m], `[0 x 2]` without one
     Positions bending;        ///< `[H x 3]` stiffness times Σ w x of each hinge that is flat at rest [N]
     Eigen::VectorXd folding;  ///< `[K]` stiffness times measure (cloth/fold.h) of each hinge that is folded at rest
-};
-
-/// How a step of length h with damping α turns a force on a vertex into a move: q times its inverse mass.
-struct XpbdMobility {
-    double squared_time;                  ///< q = h² / (1 + α h) [s^2]
-    const Eigen::VectorXd& inverse_mass;  ///< `[V]` [1/kg], 0 where pinned
 };
 
 /// Membrane and bending energies as compliant constraints (Macklin, Müller, Chentanez 2016, "XPBD", eq. 18), one block
@@ -51,26 +49,20 @@ class XpbdConstraints {
     /// Adds a bound on the stiffness that each vertex meets `[V]` [N/m]: the row sums, without signs, of the energy's
     /// Hessian in the rest state and of what the forces resist to turning.
     void add_stiffness(const Positions& x, const XpbdForces& forces, Eigen::VectorXd& stiffness) const;
-    /// Makes forces of an earlier step fit to start from: those that are too large to lag behind by a step are scaled
-    /// down, each triangle's for itself, and hinges' are turned along their curvature.
-    void turn_forces(const XpbdMobility& mobility, const Positions& start, XpbdForces& forces) const;
-    /// Adds each block's −Jᵀ s to the forces on the vertices `[V x 3]` [N].
-    void add_forces(const Positions& start, const XpbdForces& forces, Positions& total) const;
+    /// Makes forces of an earlier step fit to start from, and adds what they are on the vertices `[V x 3]` [N]: those
+    /// that are too large to lag behind by a step are scaled down, each triangle's for itself, and hinges' are turned
+    /// along their curvature.
+    void begin(const XpbdMobility& mobility, const Positions& start, XpbdForces& forces, Positions& total) const;
     /// Lets the forces that the next step starts from follow those that this step reached at x.
     void follow_forces(const XpbdMobility& mobility, const Positions& x, const XpbdForces& reached,
                        XpbdForces& kept) const;
-    /// One Gauss-Seidel sweep over all blocks in the order of their indices.
+    /// One Gauss-Seidel sweep over all blocks.
     void sweep(const XpbdMobility& mobility, const Positions& start, XpbdForces& forces, Positions& x) const;
 
   private:
     struct Triangle {
         int vertex[3];
         MembraneStencil stencil;
-    };
-    struct Hinge {
-        int vertex[4];
-        double weight[4];
-        double stiffness;  // energy is half of it times |Σ w x|² [N/m]
     };
     struct FoldedHinge {
         int vertex[4];
@@ -86,16 +78,19 @@ class XpbdConstraints {
         return 0.5 * triangle.stencil.area * strain_limit_->stiffness;
     }
     void sweep_folded(const XpbdMobility& mobility, const FoldedHinge& hinge, double& force, Positions& x) const;
-    static double lag(const XpbdMobility& mobility, const Triangle& triangle, const Eigen::RowVector3d& force);
-    void sweep_triangle(const XpbdMobility& mobility, const Triangle& triangle, const Positions& start,
-                        Eigen::Ref<Eigen::RowVector3d> force, Positions& x) const;
-    static void sweep_hinge(const XpbdMobility& mobility, const Hinge& hinge, const Positions& start,
-                            Eigen::Ref<Eigen::RowVector3d> force, Positions& x);
+    /// q times the stiffness against turning that a triangle's stress, of this spectral norm, is for a vertex.
+    static double lag(const XpbdMobility& mobility, const Triangle& triangle, double stress);
+    double limit_slope(const Triangle& triangle, double force) const {
+        return 2.0 * std::sqrt(limit_stiffness(triangle) * force);
+    }
+    void follow_scalars(const XpbdMobility& mobility, const Positions& x, const XpbdForces& reached,
+                        XpbdForces& kept) const;
 
     MembraneStiffness stiffness_;
+    XpbdMembrane membrane_;
+    XpbdBending bending_;  // it or folded_hinge_ is empty
     std::vector<Triangle> triangle_;
     std::optional<StrainLimit> strain_limit_;
-    std::vector<Hinge> hinge_;  // one of the two is empty
     std::vector<FoldedHinge> folded_hinge_;
     double bending_stiffness_ = 0.0;
 };

@@ -9,8 +9,6 @@ namespace {
 /// Pairs are listed that are within this of their thickness [m], and felt in a step that begins within the other: the
 /// list serves until the cloth has moved by half of the difference.
 constexpr double listed_within = 0.001, activation = 0.0004;
-/// A force begins in full if q times its slope and inverse mass is no more than this.
-constexpr double largest_kept_stiffness = 4.0;
 /// Friction is smoothed below this speed [m/s], and never below this length [m], as in `SelfContact`.
 constexpr double sticking_speed = 0.002, shortest_slip = 1e-5;
 constexpr int most_newton_steps = 30;
@@ -77,8 +75,7 @@ void XpbdSelfContact::begin(const XpbdMobility& mobility, double time_step, bool
         const SelfContact::Pressure pressure = contact_.pressure_at(touch.pair, touch.pair.distance);
         const double yield = mobility.squared_time * inverse_mass_of(mobility, touch.point, touch.weight);
         const double stiffness = yield * touch.fade * pressure.slope;
-        const double kept = stiffness > largest_kept_stiffness ? largest_kept_stiffness / stiffness : 1.0;
-        touch.force = kept * touch.fade * pressure.force;
+        touch.force = kept_share(stiffness) * touch.fade * pressure.force;
     }
 }
 

@@ -41,27 +41,24 @@ double largest_distance(const Positions& a, const Positions& b) {
     return std::sqrt((a - b).rowwise().squaredNorm().maxCoeff());
 }
 
-/// As published, without forces that are kept: every refinement must come nearer to the implicit drape.
+/// As published, without forces that are kept: refinements come nearer to the implicit drape, and with small steps the
+/// distance falls with their square, to four at a halving. (Steps must be so small that no constraint is stiffer than
+/// they are: a sweep then misses little of what constraints do to each other.)
 void expect_refinements_come_nearer(DrapeScene scene) {
     const Positions implicit = drape_of(scene, "implicit", 1e-6, 2000);
     scene.solver.xpbd.keep_forces = false;
-    double before = std::numeric_limits<double>::infinity();
-    for (const int substeps : {10, 20, 40, 80}) {
+    const auto distance = [&](int substeps, int iterations) {
         scene.solver.xpbd.substeps = substeps;
-        const double distance = largest_distance(drape_of(scene, "xpbd", 1e-6, 250), implicit);
-        EXPECT_LT(distance, before) << substeps << " substeps";
-        before = distance;
-    }
-    EXPECT_LT(before, 0.015 * edge_length);
-    scene.solver.xpbd.substeps = 20;
-    before = std::numeric_limits<double>::infinity();
-    for (const int iterations : {1, 2, 4, 8, 16}) {
         scene.solver.xpbd.iterations = iterations;
-        const double distance = largest_distance(drape_of(scene, "xpbd", 1e-6, 250), implicit);
-        EXPECT_LT(distance, before) << iterations << " iterations";
-        before = distance;
-    }
-    EXPECT_LT(before, 0.002 * edge_length);
+        return largest_distance(drape_of(scene, "xpbd", 1e-6, 120), implicit);
+    };
+    const double coarse = distance(20, 1), fine = distance(80, 1), finer = distance(160, 1), finest = distance(320, 1);
+    EXPECT_LT(fine, 0.5 * coarse);
+    EXPECT_LT(finer, 0.5 * fine);
+    EXPECT_NEAR(finer / finest, 4.0, 0.5);
+    const double more = distance(20, 4), most = distance(20, 32);
+    EXPECT_LT(more, 0.5 * coarse);
+    EXPECT_LT(most, 0.02 * more) << "sweeps converge linearly";
 }
 
 TEST(XpbdSolver, ComesNearerToImplicitWithEveryRefinementWhereAPatchHangs) {
@@ -89,7 +86,7 @@ std::vector<std::pair<std::string, DrapeScene>> hung_patches_with_more() {
     std::vector<std::pair<std::string, DrapeScene>> scenes;
     DrapeScene& blown = scenes.emplace_back("wind", hung_patch()).second;
     blown.wind = WindOptions{};
-    blown.wind->velocity = {0.3, 0.0, 1.5};
+    blown.wind->velocity = {0.15, 0.0, 0.75};  // twice as strong it could rest in two shapes
     DrapeScene& limited = scenes.emplace_back("strain limit", hung_patch()).second;
     limited.membrane.warp_stiffness = limited.membrane.weft_stiffness = 20.0;
     limited.membrane.shear_stiffness = 6.0;

@@ -110,7 +110,7 @@ TEST(XpbdStep, ForcesAreThoseOfTheEnergy) {
         Positions moved = x;
         const Eigen::VectorXd immovable = Eigen::VectorXd::Zero(x.rows());
         constraints.sweep({1e-6, immovable}, x, forces, moved);
-        constraints.add_forces(x, forces, force);
+        constraints.begin({1e-6, immovable}, x, forces, force);
         EXPECT_LT((force + gradient).norm(), 1e-12 * gradient.norm());
         EXPECT_EQ(moved, x);
         EXPECT_EQ(forces.squeeze.norm() > 0.0, compression == Compression::full);
