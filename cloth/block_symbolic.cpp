@@ -170,20 +170,26 @@ std::vector<int> postorder(std::vector<Front>& fronts) {
 
 }  // namespace
 
-BlockSymbolic::BlockSymbolic(int vertex_count, std::vector<std::pair<int, int>> pairs, Ordering ordering)
+BlockSymbolic::BlockSymbolic(int vertex_count, std::vector<std::pair<int, int>> pairs)
     : vertex_count_(vertex_count), pair_(unique_pairs(vertex_count, std::move(pairs))) {
-    pair_start_.assign(vertex_count + 1, 0);
+    build(order_vertices(vertex_count_, pair_));
+}
+
+BlockSymbolic::BlockSymbolic(const BlockSymbolic& other, std::vector<std::pair<int, int>> pairs)
+    : vertex_count_(other.vertex_count_), pair_(unique_pairs(vertex_count_, std::move(pairs))) {
+    build(other.vertex_);
+}
+
+void BlockSymbolic::build(const std::vector<int>& order) {
+    pair_start_.assign(vertex_count_ + 1, 0);
     for (const auto& pair : pair_) ++pair_start_[pair.second + 1];
     std::partial_sum(pair_start_.begin(), pair_start_.end(), pair_start_.begin());
-
-    find_supernodes(ordering);
+    find_supernodes(order);
     list_entries();
     list_updates();
 }
 
-void BlockSymbolic::find_supernodes(Ordering ordering) {
-    const std::vector<int> order =
-        ordering == Ordering::fast ? order_vertices_fast(vertex_count_, pair_) : order_vertices(vertex_count_, pair_);
+void BlockSymbolic::find_supernodes(const std::vector<int>& order) {
     std::vector<int> position(vertex_count_);
     for (int k = 0; k < vertex_count_; ++k) position[order[k]] = k;
     Lists earlier(vertex_count_), later(vertex_count_);

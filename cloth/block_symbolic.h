@@ -14,10 +14,11 @@ namespace toile {
 /// the pairs (i, j), i > j, in lexicographic order of (j, i). The result depends on nothing but the graph.
 class BlockSymbolic {
   public:
-    /// How the vertices are ordered: for little fill, or quickly (`order_vertices_fast`).
-    enum class Ordering { thorough, fast };
     /// `pairs` are vertex pairs in any order, repeated as they come. Throws Error if one is out of range.
-    BlockSymbolic(int vertex_count, std::vector<std::pair<int, int>> pairs, Ordering ordering = Ordering::thorough);
+    BlockSymbolic(int vertex_count, std::vector<std::pair<int, int>> pairs);
+    /// In the order of another graph with as many vertices: a tenth of the time, and little more fill where there are
+    /// only a few pairs more.
+    BlockSymbolic(const BlockSymbolic& other, std::vector<std::pair<int, int>> pairs);
 
     int vertex_count() const { return vertex_count_; }
     /// Number of slots: vertices + pairs.
@@ -67,7 +68,8 @@ class BlockSymbolic {
     static constexpr int max_width = 20;
 
   private:
-    void find_supernodes(Ordering ordering);
+    void build(const std::vector<int>& order);
+    void find_supernodes(const std::vector<int>& order);
     void add_supernodes(int begin, int width, const std::vector<int>& rows);
     void list_entries();
     void list_updates();

@@ -72,7 +72,7 @@ class Dissection {
     int part_count_ = 0;
 };
 
-/// CHOLMOD's minimum degree, within the order of the parts where they are given.
+/// CHOLMOD's minimum degree, within the order of the parts.
 std::vector<int> minimum_degree(int vertex_count, const std::vector<std::pair<int, int>>& pairs, int* part) {
     std::vector<int> order(vertex_count);
     std::iota(order.begin(), order.end(), 0);
@@ -96,8 +96,7 @@ std::vector<int> minimum_degree(int vertex_count, const std::vector<std::pair<in
     cholmod_common common;
     cholmod_start(&common);
     common.print = 0;
-    const bool ordered = part ? cholmod_camd(&pattern, nullptr, 0, part, order.data(), &common)
-                              : cholmod_amd(&pattern, nullptr, 0, order.data(), &common);
+    const bool ordered = cholmod_camd(&pattern, nullptr, 0, part, order.data(), &common);
     cholmod_finish(&common);
     if (!ordered) throw Error("the matrix could not be ordered for Cholesky: out of memory");
     return order;
@@ -107,10 +106,6 @@ std::vector<int> minimum_degree(int vertex_count, const std::vector<std::pair<in
 
 std::vector<int> order_vertices(int vertex_count, const std::vector<std::pair<int, int>>& pairs) {
     return minimum_degree(vertex_count, pairs, Dissection(vertex_count, pairs).part().data());
-}
-
-std::vector<int> order_vertices_fast(int vertex_count, const std::vector<std::pair<int, int>>& pairs) {
-    return minimum_degree(vertex_count, pairs, nullptr);
 }
 
 }  // namespace toile

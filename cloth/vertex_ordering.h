@@ -11,8 +11,4 @@ namespace toile {
 /// (i, j) with i > j, each once, in lexicographic order of (j, i).
 std::vector<int> order_vertices(int vertex_count, const std::vector<std::pair<int, int>>& pairs);
 
-/// Approximate minimum degree alone: fifty times faster to find, a quarter more fill on cloth. For graphs that change
-/// after a few factorisations.
-std::vector<int> order_vertices_fast(int vertex_count, const std::vector<std::pair<int, int>>& pairs);
-
 }  // namespace toile

@@ -5,8 +5,10 @@
 namespace toile::simulate {
 namespace {
 
-/// A graph that has served for this many factorisations is worth a thorough ordering.
+/// A graph that has served for this many factorisations is worth an ordering of its own, where the cloth's has this
+/// many times the fill.
 constexpr int uses_worth_ordering = 8;
+constexpr double fill_worth_ordering = 1.25;
 
 using Coupling = std::pair<int, int>;
 
@@ -48,18 +50,21 @@ void CoupledHessian::couple(const std::vector<std::array<int, 4>>& needed,
         append_couplings(needed, coupling_);
         append_couplings(likely, coupling_);
         sort_unique(coupling_);
-        rebuild(BlockSymbolic::Ordering::fast);
-    } else if (!thorough_ && uses_ >= uses_worth_ordering) {
-        rebuild(BlockSymbolic::Ordering::thorough);
+        rebuild(false);
+    } else if (!reordered_ && uses_ >= uses_worth_ordering &&
+               static_cast<double>(coupled_->symbolic().factor_nonzeros()) >
+                   fill_worth_ordering * static_cast<double>(own_.symbolic().factor_nonzeros())) {
+        rebuild(true);
     }
     own_.set_zero();
 }
 
-void CoupledHessian::rebuild(BlockSymbolic::Ordering ordering) {
+void CoupledHessian::rebuild(bool reorder) {
     const BlockSymbolic& own = own_.symbolic();
     std::vector<Coupling> pairs = own.pair();
     pairs.insert(pairs.end(), coupling_.begin(), coupling_.end());
-    auto symbolic = std::make_shared<const BlockSymbolic>(own.vertex_count(), std::move(pairs), ordering);
+    auto symbolic = reorder ? std::make_shared<const BlockSymbolic>(own.vertex_count(), std::move(pairs))
+                            : std::make_shared<const BlockSymbolic>(own, std::move(pairs));
     coupled_ = std::make_unique<BlockValues>(symbolic);
     coupled_cholesky_ = std::make_unique<LaneCholesky<1>>(symbolic);
     slot_.resize(own.slot_count());
@@ -71,7 +76,7 @@ void CoupledHessian::rebuild(BlockSymbolic::Ordering ordering) {
         slot_[own.vertex_count() + k] = own.vertex_count() + static_cast<int>(at);
     }
     uses_ = 0;
-    thorough_ = ordering == BlockSymbolic::Ordering::thorough;
+    reordered_ = reorder;
 }
 
 void CoupledHessian::finish() {

@@ -10,7 +10,8 @@
 namespace toile::simulate {
 
 /// A Hessian on the cloth's own graph, to which self-contact adds couplings that come and go, and its factorisation.
-/// The cloth's graph is ordered once, for all drapes; a graph with couplings when one turns up that it lacks.
+/// The cloth's graph is ordered once, for all drapes; a graph with couplings, made when one turns up that it lacks, is
+/// eliminated in the same order, which costs little fill as long as they are few.
 ///
 ///     hessian.couple(touching, nearly_touching);   // zeroes the values
 ///     elasticity.add_hessian(x, hessian.own());
@@ -37,7 +38,8 @@ class CoupledHessian {
 
   private:
     bool holds(const std::vector<std::array<int, 4>>& stencils) const;
-    void rebuild(BlockSymbolic::Ordering ordering);
+    /// In the cloth's own order, or in one of its own.
+    void rebuild(bool reorder);
 
     BlockValues own_;
     std::unique_ptr<LaneCholesky<1>> own_cholesky_;
@@ -46,7 +48,7 @@ class CoupledHessian {
     std::unique_ptr<LaneCholesky<1>> coupled_cholesky_;
     std::vector<int> slot_;  // in the coupled graph, of each slot of the own
     int uses_ = 0;           // factorisations since the graph was ordered
-    bool thorough_ = false;
+    bool reordered_ = false;
 };
 
 }  // namespace toile::simulate

@@ -59,7 +59,12 @@ struct DrapeResult {
 
 /// Told of a drape's energy (`Solver::energy`) before each step towards rest, the solids standing still. `first` where
 /// the cloth sets out towards rest, again at each try.
-using EnergyWatch = std::function<void(double energy, bool first)>;
+struct EnergySample {
+    double energy;            ///< [J]
+    double held_by_friction;  ///< `Solver::held_by_friction` [J]
+    bool first;
+};
+using EnergyWatch = std::function<void(const EnergySample&)>;
 
 struct DrapeModel;
 

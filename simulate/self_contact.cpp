@@ -80,20 +80,27 @@ void SelfContact::collect(const Positions& x) {
 }
 
 bool SelfContact::covers(const Positions& x, double reach) const {
-    if (!found_around_ || found_at_.rows() != x.rows()) return false;
-    return 2.0 * (largest_norm(x - found_at_) + reach) <= margin_;
+    if (found_at_.rows() != x.rows()) return false;
+    Positions off = x - found_at_;
+    if (found_along_.rows() > 0) {
+        const double along = off.cwiseProduct(found_along_).sum() / found_along_.squaredNorm();
+        off -= std::clamp(along, 0.0, 1.0) * found_along_;
+    }
+    return 2.0 * (largest_norm(off) + reach) <= margin_;
 }
 
 double SelfContact::search(const Positions& x, const Positions& motion) {
     double share = 1.0;
     ++searches_;
-    found_around_ = 4.0 * largest_norm(motion) <= margin_;
-    if (found_around_) {
-        candidates_.find(x, margin_, found_);
-    } else {
-        share = candidates_.find_bounded(x, motion, 0.0, most_overlaps * (rest_length_.size() + 100), found_);
-    }
     found_at_ = x;
+    if (4.0 * largest_norm(motion) <= margin_) {
+        candidates_.find(x, margin_, found_);
+        found_along_.resize(0, 3);
+    } else {
+        // With room around the whole way: where it ends nothing need be looked for.
+        share = candidates_.find_bounded(x, motion, margin_, most_overlaps * (rest_length_.size() + 100), found_);
+        found_along_ = share * motion;
+    }
     collect(x);
     return share;
 }

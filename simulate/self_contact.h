@@ -104,9 +104,9 @@ class SelfContact {
     ContactCandidates candidates_;
     CandidatePairs found_;
     std::vector<Pair> pairs_;
-    Positions found_at_;         // where pairs_ were looked for
-    bool found_around_ = false;  // ... or along a motion from there
-    double margin_ = 0.001;      // [m]
+    Positions found_at_;     // where pairs_ were looked for ...
+    Positions found_along_;  // ... and along what motion from there; empty for none
+    double margin_ = 0.001;  // around both [m]
     int searches_ = 0;
     Positions before_;
     double smoothing_ = 0.0;  // of friction [m]

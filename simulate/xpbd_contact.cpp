@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace toile::simulate {
 namespace {
 
 /// A touching point's plane is renewed once it has moved by this share of the thickness from where it was looked up.
 constexpr double plane_reach = 0.25;
+/// Between sweeps points may be further from where the step began than it lets them go in the end.
+constexpr double move_reserve = 2.0;
 
 Eigen::Vector3d position_of(const ContactPoint& point, const Positions& x) {
     if (point.second < 0) return x.row(point.first).transpose();
@@ -82,27 +85,34 @@ void XpbdContact::tie(bool solid_moved, std::vector<XpbdTouch>& touches) const {
     }
 }
 
-void XpbdContact::begin(const Positions& x, std::vector<XpbdTouch>& touches) const {
+std::vector<int> XpbdContact::begin(const Positions& x, double largest_move, std::vector<XpbdTouch>& touches) const {
     const double thickness = contact_->options().thickness, reach = plane_reach * thickness;
+    const double away = largest_move > 0.0 ? move_reserve * largest_move : std::numeric_limits<double>::infinity();
+    std::vector<int> near;
     for (size_t k = 0; k < touches.size(); ++k) {
         XpbdTouch& touch = touches[k];
         const Eigen::Vector3d p = position_of(contact_->points()[k], x);
+        const double squared_move = (p - touch.sampled_at).squaredNorm(), clear = touch.distance - thickness - away;
+        if (touch.sampled && touch.pressing == 0.0 && clear > 0.0 && squared_move < clear * clear) continue;
+        near.push_back(static_cast<int>(k));
         const bool is_near = !touch.sampled || may_touch(touch, p, thickness);
-        if (is_near && (!touch.sampled || (p - touch.sampled_at).squaredNorm() > reach * reach))
-            look_up(contact_->obstacle(), p, touch);
+        if (is_near && (!touch.sampled || squared_move > reach * reach)) look_up(contact_->obstacle(), p, touch);
         if (touch.anchored) touch.friction = tangential(touch.friction, touch.gradient.normalized());
     }
+    return near;
 }
 
-void XpbdContact::add_forces(const std::vector<XpbdTouch>& touches, Positions& total) const {
-    for (size_t k = 0; k < touches.size(); ++k)
+void XpbdContact::add_forces(const std::vector<int>& near, const std::vector<XpbdTouch>& touches,
+                             Positions& total) const {
+    for (int k : near)
         if (touches[k].pressing > 0.0)
             add_force(contact_->points()[k], touches[k].pressing * touches[k].gradient + touches[k].friction, total);
 }
 
-void XpbdContact::sweep(const XpbdMobility& mobility, std::vector<XpbdTouch>& touches, Positions& x) const {
+void XpbdContact::sweep(const XpbdMobility& mobility, const std::vector<int>& near, std::vector<XpbdTouch>& touches,
+                        Positions& x) const {
     const ContactOptions& options = contact_->options();
-    for (size_t k = 0; k < touches.size(); ++k) {
+    for (int k : near) {
         XpbdTouch& touch = touches[k];
         const ContactPoint& point = contact_->points()[k];
         const Eigen::Vector3d p = position_of(point, x);
@@ -142,9 +152,9 @@ void XpbdContact::sweep(const XpbdMobility& mobility, std::vector<XpbdTouch>& to
     }
 }
 
-void XpbdContact::end(const Positions& x, std::vector<XpbdTouch>& touches) const {
+void XpbdContact::end(const std::vector<int>& near, const Positions& x, std::vector<XpbdTouch>& touches) const {
     const ContactOptions& options = contact_->options();
-    for (size_t k = 0; k < touches.size(); ++k) {
+    for (int k : near) {
         XpbdTouch& touch = touches[k];
         if (!touch.anchored) continue;
         const ContactPoint& point = contact_->points()[k];

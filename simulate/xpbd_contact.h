@@ -35,12 +35,15 @@ class XpbdContact {
     /// Keeps anchors in their pieces' frames: before the solid moves.
     void keep_anchors(std::vector<XpbdTouch>& touches) const;
 
-    /// Looks up the solid again where needed and adds the forces of the last step.
-    void begin(const Positions& x, std::vector<XpbdTouch>& touches) const;
-    void add_forces(const std::vector<XpbdTouch>& touches, Positions& total) const;
-    void sweep(const XpbdMobility& mobility, std::vector<XpbdTouch>& touches, Positions& x) const;
+    /// Looks up the solid again where needed. Returns the indices of touches that may be felt in a step in which no
+    /// point goes further than `largest_move` [m], 0 for no bound: what follows is about them.
+    std::vector<int> begin(const Positions& x, double largest_move, std::vector<XpbdTouch>& touches) const;
+    /// The forces of the last step.
+    void add_forces(const std::vector<int>& near, const std::vector<XpbdTouch>& touches, Positions& total) const;
+    void sweep(const XpbdMobility& mobility, const std::vector<int>& near, std::vector<XpbdTouch>& touches,
+               Positions& x) const;
     /// Anchors of sliding points follow.
-    void end(const Positions& x, std::vector<XpbdTouch>& touches) const;
+    void end(const std::vector<int>& near, const Positions& x, std::vector<XpbdTouch>& touches) const;
 
     /// The energy's forces at x, friction from the anchors there are.
     void add_static_forces(const Positions& x, const std::vector<XpbdTouch>& touches, Positions& total) const;

@@ -41,9 +41,10 @@ XpbdState xpbd_step(const XpbdSystem& system, const XpbdParameters& parameters, 
     const Positions start = state.position;
     Positions force = system.weight;
     system.constraints.begin(mobility, start, state.forces, force);
+    std::vector<std::vector<int>> near(system.contacts.size());
     for (size_t k = 0; k < system.contacts.size(); ++k) {
-        system.contacts[k].begin(start, state.touches[k]);
-        system.contacts[k].add_forces(state.touches[k], force);
+        near[k] = system.contacts[k].begin(start, parameters.largest_move, state.touches[k]);
+        system.contacts[k].add_forces(near[k], state.touches[k], force);
     }
     XpbdSelfContact* self_contact = system.self_contact;
     if (self_contact) {
@@ -60,13 +61,14 @@ XpbdState xpbd_step(const XpbdSystem& system, const XpbdParameters& parameters, 
     for (int iteration = 0; iteration < parameters.iterations; ++iteration) {
         system.constraints.sweep(mobility, start, reached, x);
         for (int sweep = 0; sweep < (self_contact ? contact_sweeps : 1); ++sweep) {
-            for (size_t k = 0; k < system.contacts.size(); ++k) system.contacts[k].sweep(mobility, state.touches[k], x);
+            for (size_t k = 0; k < system.contacts.size(); ++k)
+                system.contacts[k].sweep(mobility, near[k], state.touches[k], x);
             if (self_contact) self_contact->sweep(mobility, start, x);
         }
     }
     if (parameters.largest_move > 0.0) bound_moves(start, parameters.largest_move, x);
     if (self_contact) self_contact->limit(start, x);
-    for (size_t k = 0; k < system.contacts.size(); ++k) system.contacts[k].end(x, state.touches[k]);
+    for (size_t k = 0; k < system.contacts.size(); ++k) system.contacts[k].end(near[k], x, state.touches[k]);
     system.constraints.follow_forces(mobility, x, reached, state.forces);
     state.velocity = (x - start) / h;
     return state;

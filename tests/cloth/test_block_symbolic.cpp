@@ -140,6 +140,26 @@ INSTANTIATE_TEST_SUITE_P(Graphs, BlockSymbolicGraph, testing::ValuesIn(vertex_gr
     return name;
 });
 
+TEST(BlockSymbolic, InAnotherGraphsOrderEliminatesAFewPairsMore) {
+    std::vector<std::pair<int, int>> grid;
+    const int side = 20;
+    for (int row = 0; row < side; ++row)
+        for (int column = 0; column < side; ++column) {
+            const int v = row * side + column;
+            if (column + 1 < side) grid.emplace_back(v, v + 1);
+            if (row + 1 < side) grid.emplace_back(v, v + side);
+        }
+    const BlockSymbolic plain(side * side, grid);
+    std::vector<std::pair<int, int>> more = grid;
+    more.emplace_back(3, side * side - 5);
+    more.emplace_back(4, side * side - 5);
+    const BlockSymbolic coupled(plain, more);
+    EXPECT_EQ(coupled.slot_count(), plain.slot_count() + 2);
+    EXPECT_NO_THROW(coupled.slot(3, side * side - 5));
+    EXPECT_GE(coupled.factor_nonzeros(), plain.factor_nonzeros());
+    EXPECT_LT(static_cast<double>(coupled.factor_nonzeros()), 1.3 * static_cast<double>(plain.factor_nonzeros()));
+}
+
 TEST(BlockSymbolic, KeepsTheFillOfALongTubeSmall) {
     // A tube of 12 vertices around and 400 long: a band of 13 rows is what any ordering along it needs.
     const VertexGraph tube = grid_graph("", 12, 400, true);

@@ -45,7 +45,7 @@ TEST(CoupledHessian, SolvesOnTheOwnGraph) {
 
 TEST(CoupledHessian, CouplingsComeStayAndGo) {
     Chain f;
-    for (int step = 0; step < 12; ++step) {  // long enough to be ordered thoroughly
+    for (int step = 0; step < 12; ++step) {  // long enough to be ordered anew
         f.hessian.couple(ends, middle);
         f.fill();
         f.hessian.finish();
