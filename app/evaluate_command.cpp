@@ -76,11 +76,19 @@ void add_stability(CLI::App& parent, Work& chosen) {
     command->add_option("--solver", *solver, "whose, or all")->check(CLI::IsMember(names))->capture_default_str();
     command->add_option("--filter", options->filter, "only cases with this text in their name")->type_name("TEXT");
     command->add_flag("--quick", options->quick, "a few dozen cases without a body: seconds");
+    command->add_option("--iterations", options->budget.iterations, "of a try to come to rest; default: the scene's")
+        ->check(CLI::Range(1, 1000000));
+    command->add_option("--tries", options->budget.tries, "after the first; default: the scene's")
+        ->check(CLI::Range(0, 3));
+    command->add_flag("--resume", options->resume, "keep the outcomes that DIR has, and run what is missing");
     command->footer(
         "A case passes where the drape comes to rest within the gate, stays finite, and its energy never rises on the\n"
-        "way to rest. Exit status 3 if one does not.\n\n"
+        "way to rest. Exit status 3 if one does not. All of it takes minutes with implicit and hours with the others,\n"
+        "which spend their whole budget on what they cannot do. --filter, --solver and an interrupt make parts of it,\n"
+        "which --resume puts together.\n\n"
         "  toile evaluate stability --out out/stability --quick\n"
-        "  toile evaluate stability --out out/stability --solver all --filter T-shirt");
+        "  toile evaluate stability --out out/stability --solver all --filter T-shirt\n"
+        "  toile evaluate stability --out out/stability --solver xpbd --iterations 300 --tries 0 --resume");
     command->callback([options, solver, out, &chosen] {
         chosen = [options, solver, out] { return stability(*options, *solver, *out); };
     });

@@ -2,10 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <exception>
 #include <iostream>
 
 #include "bench/prior_benchmarks.h"
+#include "bench/program.h"
 #include "bench/speed_results.h"
 #include "bench/speed_scene.h"
 #include "bench/stress.h"
@@ -25,16 +25,18 @@ struct Flags {
     std::string failures;
 
     bool table = false;
-    std::string gate, write_baseline, filter = "all";
+    std::string filter = "all";
+    BaselineFiles baseline;
     int repetitions = 5;
 
-    bool speed() const { return table || !gate.empty() || !write_baseline.empty(); }
+    bool speed() const { return table || !baseline.gate.empty() || !baseline.written.empty(); }
 };
 
 void add_flags(CLI::App& app, Flags& flags) {
     app.add_flag("--table", flags.table, "measure and print the speed table, as Markdown");
-    app.add_option("--gate", flags.gate, "measure and compare with this baseline; exit status 1 for a regression");
-    app.add_option("--write-baseline", flags.write_baseline, "measure and write a baseline");
+    app.add_option("--gate", flags.baseline.gate,
+                   "measure and compare with this baseline; exit status 1 for a regression");
+    app.add_option("--write-baseline", flags.baseline.written, "measure and write a baseline");
     app.add_option("--filter", flags.filter, "rows to measure, as a regular expression; the units always are");
     app.add_option("--repetitions", flags.repetitions, "of each row; the least counts")->check(CLI::PositiveNumber);
     app.add_flag("--stress", flags.stress,
@@ -85,14 +87,14 @@ SpeedResults measure(const Flags& flags, const char* program) {
 }
 
 int speed(const Flags& flags, const char* program) {
-    const std::vector<Metric> baseline = flags.gate.empty() ? std::vector<Metric>{} : read_metrics(flags.gate);
-    const SpeedResults results = measure(flags, program);
-    print_speed_table(std::cout, results);
-    if (!flags.write_baseline.empty()) write_metrics(metrics(results), flags.write_baseline);
-    const std::vector<std::string> worse = regressions(baseline, metrics(results));
-    for (const std::string& line : worse) std::cout << "regression: " << line << '\n';
-    if (!flags.gate.empty() && worse.empty()) std::cout << "gate: " << baseline.size() << " metrics, no regression\n";
-    return worse.empty() ? 0 : 1;
+    return measure_against(
+        flags.baseline,
+        [&] {
+            const SpeedResults results = measure(flags, program);
+            print_speed_table(std::cout, results);
+            return metrics(results);
+        },
+        std::cout);
 }
 
 /// Without a flag of ours: Google Benchmark's own program, with its flags.
@@ -120,15 +122,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    try {
-        return run(argc, argv);
-    } catch (const toile::Error& error) {
-        const std::string where = error.where().empty() ? "" : " (" + error.where() + ")";
-        std::fprintf(stderr, "bench_prior: %s%s\n%s%s", error.what(), where.c_str(), error.mend().c_str(),
-                     error.mend().empty() ? "" : "\n");
-        return 2;
-    } catch (const std::exception& error) {
-        std::fprintf(stderr, "bench_prior: %s\n", error.what());
-        return 1;
-    }
+    return run_program("bench_prior", [&] { return run(argc, argv); });
 }

@@ -1,28 +1,17 @@
 #include "bench/drape_results.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <limits>
 #include <ostream>
 #include <set>
-#include <sstream>
+
+#include "bench/figures.h"
 
 namespace toile::bench {
 namespace {
 
-constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
-
 bool starts_with(const std::string& text, const std::string& beginning) {
     return text.compare(0, beginning.size(), beginning) == 0;
-}
-
-std::string number(double value, int digits = 3) {
-    if (std::isnan(value)) return "";
-    std::ostringstream text;
-    text << std::setprecision(digits) << value;
-    return text.str();
 }
 
 /// The rows of a kind that were timed, by vertices.
@@ -80,15 +69,9 @@ std::set<std::string> solvers(const DrapeResults& results) {
 
 double DrapeResults::exponent() const {
     const auto rows = rows_of(*this, "drape/");
-    if (rows.size() < 2) return no_number;
-    Eigen::MatrixX2d line(rows.size(), 2);
-    Eigen::VectorXd time(rows.size());
-    for (Eigen::Index k = 0; k < line.rows(); ++k) {
-        line.row(k) << 1.0, std::log(rows[k].second->vertices);
-        time[k] = std::log(rows[k].second->quantile_seconds(0.5));
-    }
-    const Eigen::VectorXd fit = line.colPivHouseholderQr().solve(time);
-    return fit[1];
+    std::vector<std::pair<double, double>> points;
+    for (const auto& [name, row] : rows) points.emplace_back(row->vertices, row->quantile_seconds(0.5));
+    return scaling_exponent(points);
 }
 
 double DrapeResults::seconds_at_error(const std::string& solver, double error) const {

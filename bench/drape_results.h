@@ -13,7 +13,8 @@ namespace toile::bench {
 /// What a run of `bench_simulate` found, by row:
 ///
 /// - `drape/<size>`: the T-shirt over the poses of the arms, with `implicit`;
-/// - `solver/<solver>/<setting>`: the same at 1,000 vertices, with the error against the tightest `implicit`;
+/// - `solver/<solver>/<setting>`: the same at some 400 vertices, without the ladder, with the error against the
+/// tightest `implicit`;
 /// - `without/<what>`: the scene of `drape/3000` without self-contact; a hanging patch of its size, with self-contact
 ///   and without: no body.
 struct DrapeResults {

@@ -8,13 +8,12 @@
 #include <limits>
 
 #include "bench/factorisation_unit.h"
+#include "bench/figures.h"
 #include "cloth/error.h"
 #include "cloth/topology.h"
 
 namespace toile::bench {
 namespace {
-
-constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
 /// Processor time of this process so far, all threads [s].
 double processor_seconds() {
@@ -33,8 +32,7 @@ double quantile(std::vector<double> value, double share) {
 }
 
 double unit_milliseconds(const ClothMesh& mesh) {
-    FactorisationUnit unit(build_topology(mesh.triangle).edge, mesh.rest_position,
-                           FactorisationUnit::Settings::cholmod_default);
+    FactorisationUnit unit(build_topology(mesh.triangle).edge, mesh.rest_position);
     double least = std::numeric_limits<double>::max();
     for (int k = 0; k < 25; ++k) {
         const double start = processor_seconds();

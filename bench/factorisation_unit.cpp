@@ -1,124 +1,79 @@
 #include "bench/factorisation_unit.h"
 
-#include <cholmod.h>
-
+#include <Eigen/CholmodSupport>
 #include <iomanip>
 #include <sstream>
-#include <utility>
 #include <vector>
 
-#include "cloth/block_matrix.h"
 #include "cloth/error.h"
-#include "cloth/sparse_cholesky.h"
 
 extern "C" void openblas_set_num_threads(int threads);
 
 namespace toile::bench {
 namespace {
 
-BlockMatrix mesh_hessian(const Edges& edge, const Positions& position) {
-    std::vector<std::pair<int, int>> pairs;
-    for (Eigen::Index e = 0; e < edge.rows(); ++e) pairs.emplace_back(edge(e, 0), edge(e, 1));
-    BlockMatrix matrix(static_cast<int>(position.rows()), pairs);
-    for (int v = 0; v < static_cast<int>(position.rows()); ++v) matrix.add_identity(v, v, 1.0);
-    for (const auto& [a, b] : pairs) {
+using Matrix = Eigen::SparseMatrix<double>;
+
+Matrix mesh_hessian(const Edges& edge, const Positions& position) {
+    std::vector<Eigen::Triplet<double>> entry;
+    const auto add = [&entry](int i, int j, const Eigen::Matrix3d& block) {
+        for (int r = 0; r < 3; ++r)
+            for (int c = 0; c < 3; ++c) entry.emplace_back(3 * i + r, 3 * j + c, block(r, c));
+    };
+    const auto count = static_cast<int>(position.rows());
+    for (int v = 0; v < count; ++v) add(v, v, Eigen::Matrix3d::Identity());
+    for (Eigen::Index e = 0; e < edge.rows(); ++e) {
+        const int a = edge(e, 0), b = edge(e, 1);
         const Eigen::Vector3d along = (position.row(a) - position.row(b)).normalized();
         const Eigen::Matrix3d block = 0.7 * along * along.transpose() + 0.3 * Eigen::Matrix3d::Identity();
-        matrix.add(a, a, block);
-        matrix.add(b, b, block);
-        matrix.add(a, b, -block);
+        add(a, a, block);
+        add(b, b, block);
+        add(a, b, -block);
+        add(b, a, -block);
     }
+    Matrix matrix(3 * count, 3 * count);
+    matrix.setFromTriplets(entry.begin(), entry.end());
     return matrix;
-}
-
-cholmod_sparse lower_triangle(const BlockMatrix& matrix) {
-    cholmod_sparse sparse{};
-    sparse.nrow = sparse.ncol = static_cast<size_t>(matrix.size());
-    sparse.nzmax = matrix.row().size();
-    sparse.p = const_cast<int*>(matrix.column_start().data());
-    sparse.i = const_cast<int*>(matrix.row().data());
-    sparse.x = const_cast<double*>(matrix.value().data());
-    sparse.stype = -1;
-    sparse.itype = CHOLMOD_INT;
-    sparse.xtype = CHOLMOD_REAL;
-    sparse.dtype = CHOLMOD_DOUBLE;
-    sparse.sorted = sparse.packed = 1;
-    return sparse;
 }
 
 }  // namespace
 
 struct FactorisationUnit::Impl {
-    BlockMatrix matrix;
-    cholmod_common common;
-    cholmod_sparse sparse;
-    cholmod_factor* factor = nullptr;
-    std::unique_ptr<SparseCholesky> toile;
+    Matrix matrix, lower;
+    Eigen::CholmodDecomposition<Matrix, Eigen::Lower> cholesky;
 
-    Impl(const Edges& edge, const Positions& position, Settings settings)
-        : matrix(mesh_hessian(edge, position)), sparse(lower_triangle(matrix)) {
-        cholmod_start(&common);
+    Impl(const Edges& edge, const Positions& position)
+        : matrix(mesh_hessian(edge, position)), lower(matrix.triangularView<Eigen::Lower>()) {
         openblas_set_num_threads(1);
-        if (settings == Settings::toile)
-            toile = std::make_unique<SparseCholesky>(matrix);
-        else
-            factor = cholmod_analyze(&sparse, &common);
-        if (settings != Settings::toile && !factor) throw Error("the unit's matrix could not be analysed");
-    }
-    ~Impl() {
-        cholmod_free_factor(&factor, &common);
-        cholmod_finish(&common);
-    }
-    Impl(const Impl&) = delete;
-    Impl& operator=(const Impl&) = delete;
-
-    Eigen::VectorXd solve(const Eigen::VectorXd& right) {
-        Eigen::VectorXd x(right.size());
-        if (toile) {
-            toile->solve(right, x);
-            return x;
-        }
-        cholmod_dense dense{};
-        dense.nrow = dense.nzmax = dense.d = static_cast<size_t>(right.size());
-        dense.ncol = 1;
-        dense.x = const_cast<double*>(right.data());
-        dense.xtype = CHOLMOD_REAL;
-        dense.dtype = CHOLMOD_DOUBLE;
-        cholmod_dense* solution = cholmod_solve(CHOLMOD_A, factor, &dense, &common);
-        if (!solution) throw Error("the unit's matrix could not be solved with");
-        x = Eigen::Map<const Eigen::VectorXd>(static_cast<const double*>(solution->x), right.size());
-        cholmod_free_dense(&solution, &common);
-        return x;
+        cholesky.analyzePattern(lower);
+        if (cholesky.info() != Eigen::Success) throw Error("the unit's matrix could not be analysed");
     }
 };
 
-FactorisationUnit::FactorisationUnit(const Edges& edge, const Positions& position, Settings settings)
-    : impl_(std::make_unique<Impl>(edge, position, settings)) {}
+FactorisationUnit::FactorisationUnit(const Edges& edge, const Positions& position)
+    : impl_(std::make_unique<Impl>(edge, position)) {}
 FactorisationUnit::~FactorisationUnit() = default;
 FactorisationUnit::FactorisationUnit(FactorisationUnit&&) noexcept = default;
 
 bool FactorisationUnit::factor() {
-    if (impl_->toile) return impl_->toile->factor(impl_->matrix);
-    return cholmod_factorize(&impl_->sparse, impl_->factor, &impl_->common) != 0 &&
-           impl_->common.status == CHOLMOD_OK && impl_->factor->minor == impl_->factor->n;
+    impl_->cholesky.factorize(impl_->lower);
+    return impl_->cholesky.info() == Eigen::Success;
 }
 
 double FactorisationUnit::solve_error() {
-    const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(impl_->matrix.size(), -1.0, 2.0);
-    Eigen::VectorXd product;
-    impl_->matrix.multiply(impl_->solve(right), product);
-    return (product - right).lpNorm<Eigen::Infinity>() / right.lpNorm<Eigen::Infinity>();
+    const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(impl_->matrix.rows(), -1.0, 2.0);
+    const Eigen::VectorXd x = impl_->cholesky.solve(right);
+    return (impl_->matrix * x - right).lpNorm<Eigen::Infinity>() / right.lpNorm<Eigen::Infinity>();
 }
 
 std::string FactorisationUnit::description() const {
-    const cholmod_factor* factor = impl_->factor;
-    const double nonzeros = impl_->toile ? impl_->toile->factor_nonzeros() : impl_->common.lnz;
+    const cholmod_common& common = impl_->cholesky.cholmod();
+    const int ordering = common.method[common.selected].ordering;
     std::ostringstream text;
-    text << (impl_->toile || factor->is_super ? "supernodal, " : "simplicial, ")
-         << (impl_->toile || factor->ordering == CHOLMOD_AMD ? "AMD, "
-             : factor->ordering == CHOLMOD_METIS             ? "METIS, "
-                                                             : "another ordering, ")
-         << std::setprecision(2) << 1e-6 * nonzeros << " M nonzeros";
+    text << (ordering == CHOLMOD_AMD     ? "AMD, "
+             : ordering == CHOLMOD_METIS ? "METIS, "
+                                         : "another ordering, ")
+         << std::setprecision(2) << 1e-6 * common.lnz << " M nonzeros";
     return text.str();
 }
 

@@ -7,15 +7,12 @@
 
 namespace toile::bench {
 
-/// The unit of the speed table: one numeric CHOLMOD factorisation of a 3V x 3V Hessian on a mesh graph, one thread.
+/// The unit of the speed tables: one numeric CHOLMOD factorisation of a 3V x 3V Hessian on a mesh graph, one thread,
+/// with CHOLMOD as it comes.
 class FactorisationUnit {
   public:
-    enum class Settings {
-        cholmod_default,  ///< CHOLMOD as `cholmod_start` leaves it: the unit that the table counts in
-        toile             ///< as in `cloth/sparse_cholesky.h`: AMD, wider supernodes
-    };
     /// `edge` `[E x 2]`, `position` `[V x 3]`: the matrix is 1 + Σ_e (n nᵀ + 0.3 (1 − n nᵀ)) ⊗ (edge Laplacian).
-    FactorisationUnit(const Edges& edge, const Positions& position, Settings settings);
+    FactorisationUnit(const Edges& edge, const Positions& position);
     ~FactorisationUnit();
     FactorisationUnit(FactorisationUnit&&) noexcept;
 
@@ -23,7 +20,7 @@ class FactorisationUnit {
     bool factor();
     /// Relative residual of a solve with the factor: shows that it is one.
     double solve_error();
-    /// What CHOLMOD chose, such as "supernodal, METIS, 0.48 M nonzeros".
+    /// What CHOLMOD chose, such as "METIS, 0.48 M nonzeros".
     std::string description() const;
 
   private:

@@ -138,12 +138,11 @@ void add_scaling() {
     }
 }
 
-void add_unit(const std::string& name, FactorisationUnit::Settings settings, int repetitions) {
+void add_unit(int repetitions) {
     const auto unit = std::make_shared<std::unique_ptr<FactorisationUnit>>();
-    add("unit/" + name, repetitions, [unit, settings](benchmark::State& state) {
+    add("unit/cholmod_default", repetitions, [unit](benchmark::State& state) {
         if (!*unit)
-            *unit = std::make_unique<FactorisationUnit>(table_scene().rest.edge, table_scene().mesh.rest_position,
-                                                        settings);
+            *unit = std::make_unique<FactorisationUnit>(table_scene().rest.edge, table_scene().mesh.rest_position);
         if (!(*unit)->factor() || !((*unit)->solve_error() < 1e-10)) return refuse(state, "the factorisation failed");
         for (auto _ : state) (*unit)->factor();
         state.counters["samples"] = 1;
@@ -178,8 +177,7 @@ const std::vector<TubeSize>& scaling_sizes() {
 
 void register_prior_benchmarks(int repetitions) {
     using Method = prior::InextensibilityOptions::Method;
-    add_unit("cholmod_default", FactorisationUnit::Settings::cholmod_default, 4 * repetitions);
-    add_unit("cholmod_toile", FactorisationUnit::Settings::toile, 4 * repetitions);
+    add_unit(4 * repetitions);
     add_rows<TimedInextensibility>("interior_point", "1e-4", inextensibility(Method::interior_point, 1e-4), table_batch,
                                    repetitions);
     add_rows<TimedInextensibility>("interior_point", "1e-6", inextensibility(Method::interior_point, 1e-6), table_batch,

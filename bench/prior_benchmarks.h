@@ -18,7 +18,7 @@ const std::vector<TubeSize>& scaling_sizes();
 inline constexpr int scaling_batch = 8;
 
 /// Registers every row of the speed table with Google Benchmark, as `prior/method/tolerance/what/how`, beside
-/// `unit/cholmod_default`, `unit/cholmod_toile`, and `scaling/prior/what/vertices`. Each has counters `samples` (of one
+/// `unit/cholmod_default` and `scaling/prior/what/vertices`. Each has counters `samples` (of one
 /// iteration) and `iterations` (mean second-order steps of a sample). What does not reach its tolerance is refused
 /// before it is timed. `repetitions` of each row, more of the units.
 void register_prior_benchmarks(int repetitions);

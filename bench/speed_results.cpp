@@ -1,18 +1,15 @@
 #include "bench/speed_results.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <iomanip>
-#include <limits>
 #include <ostream>
 #include <sstream>
 
+#include "bench/figures.h"
+
 namespace toile::bench {
 namespace {
-
-constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
 bool starts_with(const std::string& text, const std::string& start) {
     return text.compare(0, start.size(), start) == 0;
@@ -35,35 +32,21 @@ double target(const std::vector<std::string>& row) {
     return (row[4] == "alone" ? 3 : 1) * (row[3] == "backward" ? 0.1 : loose ? 0.4 : 1.0);
 }
 
-std::string number(double value, int digits = 3) {
-    if (std::isnan(value)) return "";
-    std::ostringstream text;
-    text << std::setprecision(digits) << value;
-    return text.str();
-}
-
 }  // namespace
 
-double SpeedResults::units(const std::string& row, const std::string& unit) const {
-    const auto one = timing.find(unit), found = timing.find(row);
+double SpeedResults::units(const std::string& row) const {
+    const auto one = timing.find("unit/cholmod_default"), found = timing.find(row);
     if (one == timing.end() || found == timing.end() || !one->second.refused.empty() || !found->second.refused.empty())
         return no_number;
     return found->second.milliseconds / one->second.milliseconds;
 }
 
 double SpeedResults::exponent(const std::string& name) const {
-    std::vector<double> size, time;
-    for (const auto& [key, row] : timing) {
-        if (!starts_with(key, "scaling/" + name + "/") || !row.refused.empty()) continue;
-        size.push_back(std::log(std::stod(parts_of(key).back())));
-        time.push_back(std::log(row.milliseconds));
-    }
-    if (size.size() < 2) return no_number;
-    Eigen::MatrixX2d line(size.size(), 2);
-    line.col(0).setOnes();
-    line.col(1) = Eigen::Map<Eigen::VectorXd>(size.data(), line.rows());
-    const Eigen::VectorXd fit = line.colPivHouseholderQr().solve(Eigen::Map<Eigen::VectorXd>(time.data(), line.rows()));
-    return fit[1];
+    std::vector<std::pair<double, double>> points;
+    for (const auto& [key, row] : timing)
+        if (starts_with(key, "scaling/" + name + "/") && row.refused.empty())
+            points.emplace_back(std::stod(parts_of(key).back()), row.milliseconds);
+    return scaling_exponent(points);
 }
 
 bool TimingCollector::ReportContext(const Context&) {
@@ -92,20 +75,19 @@ void TimingCollector::ReportRuns(const std::vector<Run>& runs) {
 namespace {
 
 void print_rows(std::ostream& out, const SpeedResults& results) {
-    out << "| prior | method | tolerance | what | how | units | target | units of toile's settings | ms | steps |\n"
-           "|---|---|---|---|---|---|---|---|---|---|\n";
+    out << "| prior | method | tolerance | what | how | units | target | ms | steps |\n"
+           "|---|---|---|---|---|---|---|---|---|\n";
     for (const auto& [name, timing] : results.timing) {
         const std::vector<std::string> row = parts_of(name);
         if (row.size() != 5) continue;
         out << "| ";
         for (const std::string& part : row) out << part << " | ";
         if (!timing.refused.empty()) {
-            out << "refused | | | | |\n";
+            out << "refused | | | |\n";
             continue;
         }
-        out << number(results.units(name)) << " | " << number(target(row)) << " | "
-            << number(results.units(name, "unit/cholmod_toile")) << " | " << number(timing.milliseconds) << " | "
-            << (timing.iterations > 0 ? number(timing.iterations) : "") << " |\n";
+        out << number(results.units(name)) << " | " << number(target(row)) << " | " << number(timing.milliseconds)
+            << " | " << (timing.iterations > 0 ? number(timing.iterations) : "") << " |\n";
     }
 }
 

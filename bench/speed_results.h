@@ -26,7 +26,7 @@ struct SpeedResults {
     double overstretched_share = 0;             ///< of the table's predictions
 
     /// Time of a row in units of the factorisation, NaN if either was not timed.
-    double units(const std::string& row, const std::string& unit = "unit/cholmod_default") const;
+    double units(const std::string& row) const;
     /// Slope of log time over log vertices, fitted to `scaling/<name>/<vertices>`; NaN with fewer than two sizes.
     double exponent(const std::string& name) const;
 };

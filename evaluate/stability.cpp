@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "cloth/error.h"
 #include "evaluate/case_meshes.h"
@@ -10,27 +11,22 @@
 
 namespace toile::evaluate {
 
-void EnergyTrace::add(double energy, bool first) {
-    if (std::isnan(energy)) return;
+void EnergyTrace::add(const simulate::EnergySample& sample) {
+    constexpr double rounding = 1e-6;  // [m]
+    if (std::isnan(sample.energy)) return;
     measured_ = true;
-    if (!first) {
+    if (!sample.first) {
         ++steps_;
-        const double rise = (energy - last_) / weight_;
+        const double rise = (sample.energy - last_ - held_) / weight_;
         rise_ = std::max(rise_, rise);
-        if (rise > allowed_) ++rises_;
+        if (rise > rounding) ++rises_;
     }
-    last_ = energy;
+    last_ = sample.energy;
+    held_ = sample.held_by_friction;
 }
 
 double EnergyTrace::largest_rise() const {
     return measured_ ? rise_ : std::numeric_limits<double>::quiet_NaN();
-}
-
-double allowed_rise(const simulate::DrapeScene& scene) {
-    constexpr double rounding = 1e-6, longest_stick = 3e-4;
-    double friction = scene.contact ? scene.contact->friction : 0.0;
-    if (scene.self_contact) friction = std::max(friction, scene.self_contact->friction);
-    return rounding + 0.5 * friction * longest_stick;
 }
 
 const std::vector<std::string>& solver_names() {
@@ -54,8 +50,8 @@ std::string missing_solver(const std::string& solver) {
 namespace {
 
 void drape_case(const StabilityScene& scene, StabilityOutcome& outcome) {
-    outcome.energy = EnergyTrace(9.81 * scene.drape.mesh.mass.sum(), allowed_rise(scene.drape));
-    const simulate::EnergyWatch watch = [&](double energy, bool first) { outcome.energy.add(energy, first); };
+    EnergyTrace trace(9.81 * scene.drape.mesh.mass.sum());
+    const simulate::EnergyWatch watch = [&](const simulate::EnergySample& sample) { trace.add(sample); };
     const simulate::Draper draper(scene.drape);
     simulate::DrapeResult result = draper.drape_neutral(watch);
     double seconds = result.certificate.seconds;
@@ -73,7 +69,8 @@ void drape_case(const StabilityScene& scene, StabilityOutcome& outcome) {
     outcome.finite = result.position.allFinite();
     outcome.certificate = result.certificate;
     outcome.certificate.seconds = seconds;
-    outcome.falling = outcome.energy.rises() == 0;
+    outcome.energy_rise = trace.largest_rise();
+    outcome.falling = trace.rises() == 0;
 }
 
 std::vector<StabilityCase> chosen_cases(const StabilityOptions& options) {
@@ -87,9 +84,32 @@ std::vector<StabilityCase> chosen_cases(const StabilityOptions& options) {
     return chosen;
 }
 
+StabilityOutcome absent(const StabilityCase& one, const std::string& solver, const std::string& why) {
+    StabilityOutcome outcome;
+    outcome.group = one.group;
+    outcome.name = one.name;
+    outcome.solver = solver;
+    outcome.status = "not available: " + why;
+    return outcome;
+}
+
+/// By solver, then in the suite's order.
+void sort_outcomes(std::vector<StabilityOutcome>& outcomes) {
+    const std::vector<StabilityCase> all = stability_cases();
+    const auto place = [&](const StabilityOutcome& one) {
+        const auto& names = solver_names();
+        const auto solver = std::find(names.begin(), names.end(), one.solver) - names.begin();
+        const auto at = std::find_if(all.begin(), all.end(), [&](const auto& other) { return other.name == one.name; });
+        return std::pair(solver, at - all.begin());
+    };
+    std::stable_sort(outcomes.begin(), outcomes.end(),
+                     [&](const auto& one, const auto& other) { return place(one) < place(other); });
+}
+
 }  // namespace
 
-StabilityOutcome run_stability_case(const StabilityCase& one, const std::string& solver) {
+StabilityOutcome run_stability_case(const StabilityCase& one, const std::string& solver,
+                                    const StabilityBudget& budget) {
     StabilityOutcome outcome;
     outcome.group = one.group;
     outcome.name = one.name;
@@ -97,6 +117,8 @@ StabilityOutcome run_stability_case(const StabilityCase& one, const std::string&
     try {
         StabilityScene scene = one.build();
         scene.drape.solver.solver = solver;
+        if (budget.iterations) scene.drape.solver.max_iterations = *budget.iterations;
+        if (budget.tries) scene.drape.ladder.tries = *budget.tries;
         outcome.vertices = scene.drape.mesh.vertex_count();
         drape_case(scene, outcome);
     } catch (const std::exception& failure) {
@@ -108,27 +130,28 @@ StabilityOutcome run_stability_case(const StabilityCase& one, const std::string&
 
 std::vector<StabilityOutcome> run_stability(const StabilityOptions& options) {
     const std::vector<StabilityCase> cases = chosen_cases(options);
-    std::vector<StabilityOutcome> outcomes;
+    std::vector<StabilityOutcome> outcomes = options.known;
+    const auto is_known = [&](const std::string& solver, const StabilityCase& one) {
+        return std::any_of(options.known.begin(), options.known.end(), [&](const StabilityOutcome& known) {
+            return known.solver == solver && known.name == one.name;
+        });
+    };
     const int total = static_cast<int>(cases.size() * options.solver.size());
-    int failed = 0;
+    int failed = 0, done = 0;
     for (const std::string& solver : options.solver) {
         const std::string missing = missing_solver(solver);
         for (const StabilityCase& one : cases) {
+            if (options.progress) options.progress({solver, done++, total, failed});
+            if (is_known(solver, one)) continue;
             if (options.interrupted && *options.interrupted)
-                throw generate::Interrupted("interrupted: no table was written");
-            if (options.progress) options.progress({solver, static_cast<int>(outcomes.size()), total, failed});
-            if (missing.empty()) {
-                outcomes.push_back(run_stability_case(one, solver));
-            } else {
-                StabilityOutcome& absent = outcomes.emplace_back();
-                absent.group = one.group;
-                absent.name = one.name;
-                absent.solver = solver;
-                absent.status = "not available: " + missing;
-            }
+                throw generate::Interrupted("interrupted: --resume goes on from what is done");
+            outcomes.push_back(missing.empty() ? run_stability_case(one, solver, options.budget)
+                                               : absent(one, solver, missing));
             if (!outcomes.back().passed()) ++failed;
+            if (options.store) options.store(outcomes);
         }
     }
+    sort_outcomes(outcomes);
     return outcomes;
 }
 

@@ -1,6 +1,9 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,31 +13,28 @@
 
 namespace toile::evaluate {
 
-/// How often and how far a drape's energy went up on its way to rest, the solids standing still.
+/// How often and how far a drape's energy went up on its way to rest, the solids standing still. Friction's springs are
+/// not counted as the cloth's energy: they are made anew where a contact's load changes, with the same force and
+/// another stiffness. What they hold before a step the step may give back to the cloth; what rises by more came from
+/// nowhere.
 class EnergyTrace {
   public:
-    /// Energy is told in metres: how far it would lift the garment, of this weight [N]. `allowed`: a rise of one step
-    /// that is not counted [m].
-    explicit EnergyTrace(double weight = 1.0, double allowed = 0.0) : weight_(weight), allowed_(allowed) {}
+    /// Energy is told in metres: how far it would lift the garment, of this weight [N].
+    explicit EnergyTrace(double weight = 1.0) : weight_(weight) {}
 
-    /// Next energy [J]; `first` where the cloth sets out. NaN: not measured.
-    void add(double energy, bool first);
+    /// Next energy. NaN: not measured.
+    void add(const simulate::EnergySample& sample);
 
     bool measured() const { return measured_; }
     int steps() const { return steps_; }  ///< between two energies of one try
-    int rises() const { return rises_; }  ///< steps that raised it by more than is allowed
-    double largest_rise() const;          ///< of one step [m]; NaN where nothing was measured
+    int rises() const { return rises_; }  ///< steps that raised it by more than a micrometre, which is left to rounding
+    double largest_rise() const;          ///< of one step [m], without what springs held; NaN: nothing was measured
 
   private:
-    double weight_, allowed_, last_ = 0, rise_ = 0;
+    double weight_, last_ = 0, held_ = 0, rise_ = 0;
     int steps_ = 0, rises_ = 0;
     bool measured_ = false;
 };
-/// The rise of one step that counts for nothing [m]: a micrometre for rounding, and what friction's springs can hold of
-/// a garment that rests on its contacts, half of friction times the 0.3 mm by which they give way. Where a contact's
-/// load changes they are made anew with the same force and another stiffness (Contact::stick_spring), so that much may
-/// appear.
-double allowed_rise(const simulate::DrapeScene& scene);
 
 /// What became of one case with one solver.
 struct StabilityOutcome {
@@ -43,19 +43,29 @@ struct StabilityOutcome {
     bool rests = false;    ///< accepted by the gate in every pose
     bool finite = false;   ///< every position
     bool falling = false;  ///< energy never rose; also where it was not measured
-    EnergyTrace energy;
-    simulate::Certificate certificate;  ///< of the last drape; seconds: all
+    double energy_rise = std::numeric_limits<double>::quiet_NaN();  ///< largest of one step [m], see EnergyTrace
+    simulate::Certificate certificate;                              ///< of the last drape; seconds: all
     int iterations = 0, vertices = 0;
 
     bool passed() const { return rests && finite && falling; }
 };
 
+/// What a case may take; what is absent is the scene's own.
+struct StabilityBudget {
+    std::optional<int> iterations;  ///< of a try to come to rest, 1 to 1000000
+    std::optional<int> tries;       ///< after the first, see simulate/ladder.h, 0 to 3
+};
+
 struct StabilityOptions {
     std::vector<std::string> solver = {"implicit"};
-    std::string filter;  ///< cases whose name holds this text; empty: all
-    bool quick = false;  ///< the quick ones alone
+    std::string filter;                   ///< cases whose name holds this text; empty: all
+    bool quick = false;                   ///< the quick ones alone
+    bool resume = false;                  ///< keep the outcomes that the folder has, and run what is missing
+    std::vector<StabilityOutcome> known;  ///< outcomes that need not be found again; they are part of the result
+    StabilityBudget budget;
     generate::ProgressCallback progress;
-    const std::atomic<bool>* interrupted = nullptr;  ///< checked between cases
+    std::function<void(const std::vector<StabilityOutcome>&)> store;  ///< called after each case with all so far
+    const std::atomic<bool>* interrupted = nullptr;                   ///< checked between cases
 };
 
 /// The solvers that simulations can be made with, in the order they are shown.
@@ -65,10 +75,11 @@ const std::vector<std::string>& solver_names();
 std::string missing_solver(const std::string& solver);
 
 /// Drapes one case. Never throws for what a solver makes of it.
-StabilityOutcome run_stability_case(const StabilityCase& one, const std::string& solver);
+StabilityOutcome run_stability_case(const StabilityCase& one, const std::string& solver,
+                                    const StabilityBudget& budget = {});
 
-/// All cases asked for, one after the other so that times can be compared, by solver. Throws Error where the filter
-/// leaves nothing.
+/// All cases asked for, one after the other so that times can be compared, and what was known, by solver, in the
+/// suite's order. Throws Error where the filter leaves nothing.
 std::vector<StabilityOutcome> run_stability(const StabilityOptions& options);
 
 }  // namespace toile::evaluate

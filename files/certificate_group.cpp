@@ -1,5 +1,6 @@
 #include "files/certificate_group.h"
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <type_traits>
@@ -30,10 +31,24 @@ void for_each_detail(Detail& detail, const Visit& visit) {
     visit("rung", detail.rung);
 }
 
+/// What came of each rung; files written before these were kept do without.
+template <class Detail, class Visit>
+void for_each_rung(Detail& detail, const Visit& visit) {
+    static constexpr std::array status{"rung_0_status", "rung_1_status", "rung_2_status", "rung_3_status"};
+    static constexpr std::array residual{"rung_0_residual_force", "rung_1_residual_force", "rung_2_residual_force",
+                                         "rung_3_residual_force"};
+    for (size_t k = 0; k < status.size(); ++k) {
+        visit(status[k], detail.rung_status[k]);
+        visit(residual[k], detail.rung_residual_force[k]);
+    }
+}
+
 template <class Visit>
 void for_each_value(const CertificateRecord& record, const Visit& visit) {
     for_each_contracted(record, visit);
-    if (record.detail) for_each_detail(*record.detail, visit);
+    if (!record.detail) return;
+    for_each_detail(*record.detail, visit);
+    for_each_rung(*record.detail, visit);
 }
 
 std::string dataset(const std::string& name) {
@@ -92,6 +107,7 @@ CertificateRecord read_certificate(const Hdf5File& file, int slot) {
     };
     for_each_contracted(record, read);
     if (file.has(dataset("tries"))) for_each_detail(record.detail.emplace(), read);
+    if (record.detail && file.has(dataset("rung_0_status"))) for_each_rung(*record.detail, read);
     record.seconds = file.has(dataset("seconds")) ? value_of<double>(file, dataset("seconds"), slot)
                                                   : std::numeric_limits<double>::quiet_NaN();
     return record;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,8 @@ namespace toile::files {
 struct CertificateDetail {
     double moving_share = 0;
     int body_crossings = 0, iterations = 0, path_steps = 0, tries = 1, rung = 0;
+    std::array<int, 4> rung_status = {-1, -1, -1, -1};  ///< by rung; -1: not tried
+    std::array<double, 4> rung_residual_force = {-1, -1, -1, -1};
 };
 
 struct CertificateRecord {

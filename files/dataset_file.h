@@ -82,9 +82,10 @@ using Digest = std::array<uint8_t, 16>;
 /// the data set links to it. The data set's own bytes depend on the samples alone.
 ///
 /// Beyond the contract: `/samples/digest` (N,16) uint8, see `sample_digest`; `/certificate/moving_share` (N) and
-/// `body_crossings`, `iterations`, `path_steps`, `tries` and `rung` (N) int32, see simulate/certificate.h; attributes
-/// `duplicate_angle` on /samples/split, the gate's bounds on /certificate under the names of its datasets; `reasons`
-/// and `resampling_error` both at the root and on /samples/status and /samples/image.
+/// `body_crossings`, `iterations`, `path_steps`, `tries` and `rung` (N) int32, and for each rung of the ladder k
+/// `rung_k_status` (N) int32 and `rung_k_residual_force` (N), -1 where it was not tried, see simulate/certificate.h;
+/// attributes `duplicate_angle` on /samples/split, the gate's bounds on /certificate under the names of its datasets;
+/// `reasons` and `resampling_error` both at the root and on /samples/status and /samples/image.
 class DatasetWriter {
   public:
     /// `deflate`: gzip level 0 to 9 of the samples' arrays. Throws Error where the file cannot be made.
@@ -126,8 +127,9 @@ class DatasetReader {
 
 /// XXH3-128, big-endian, of a sample's stored bytes one after the other: id, split, status, pose, cloth, embedded,
 /// displacement, frame, image, then residual_force, body_penetration, self_intersections, max_stretch, min_stretch and
-/// max_speed, then moving_share, body_crossings, iterations, path_steps, tries and rung, each little-endian in its
-/// stored type; what the file lacks is left out, and so is `seconds`, which no run repeats.
+/// max_speed, then moving_share, body_crossings, iterations, path_steps, tries and rung, then status and residual force
+/// of each rung, each little-endian in its stored type; what the file lacks is left out, and so is `seconds`, which no
+/// run repeats.
 Digest sample_digest(const SampleRecord& sample);
 
 }  // namespace toile::files

@@ -126,6 +126,13 @@ void bind_poses(ConfigTable& root, SceneConfig& config) {
         {{"sampler", PoseSource::sampler}, {"bvh", PoseSource::bvh}, {"table", PoseSource::table}},
         "evenly within joint limits, a motion, or a table of joint angles");
     bind_selection(*table, poses);
+    // A motion was made by another body, whose arms may not lie against the ribs of this one.
+    if (poses.source == PoseSource::bvh) poses.arm_clearance = 0.012;
+    table->real("arm_clearance", poses.arm_clearance,
+                {.lower = 0,
+                 .upper = 0.1,
+                 .unit = "m",
+                 .doc = "arms that come nearer to the trunk are turned away from it; 0: poses as they are"});
     if (poses.source == PoseSource::sampler) {
         bind_roles(*table, poses.sampler);
         table->boolean("symmetric", poses.sampler.symmetric, "right limbs copy left ones");

@@ -54,7 +54,11 @@ files::CertificateRecord certificate_record(const simulate::Certificate& c) {
     record.max_speed = c.max_speed;
     record.seconds = c.seconds;
     record.self_intersections = c.self_intersections;
-    record.detail = {c.moving_share, c.body_crossings, c.iterations, c.path_steps, c.tries, c.rung};
+    record.detail = {c.moving_share, c.body_crossings, c.iterations, c.path_steps, c.tries, c.rung, {}, {}};
+    for (size_t k = 0; k < c.rungs.size(); ++k) {
+        record.detail->rung_status[k] = c.rungs[k].status;
+        record.detail->rung_residual_force[k] = c.rungs[k].residual_force;
+    }
     return record;
 }
 

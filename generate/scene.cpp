@@ -1,8 +1,10 @@
 #include "generate/scene.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "cloth/error.h"
+#include "skin/arm_clearance.h"
 #include "skin/motion_poses.h"
 #include "skin/pose_table.h"
 
@@ -92,6 +94,12 @@ Scene build_posed_body(const SceneConfig& config) {
     scene.remarks = std::move(rigged.remarks);
     if (!config.poses) return scene;
     scene.poses = build_poses(config, *scene.body, scene.remarks);
+    if (const double gap = config.poses->arm_clearance; gap > 0.0) {
+        scene.poses =
+            std::make_unique<skin::ClearedPoses>(std::move(scene.poses), *scene.body, config.body->skinning, gap);
+        scene.remarks.push_back("arms that come nearer to the trunk than " + std::to_string(std::lround(1000.0 * gap)) +
+                                " mm are turned away from it (poses.arm_clearance)");
+    }
     scene.pose_number = skin::selected_numbers(*scene.poses, config.poses->selection, config.file + ":poses.number");
     return scene;
 }

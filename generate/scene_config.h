@@ -42,6 +42,7 @@ struct PosesConfig {
     skin::SamplerOptions sampler;
     files::ConfigPath file;
     skin::MotionOptions motion;
+    double arm_clearance = 0.0;     ///< that arms are to keep from the trunk [m]; 0: poses as they are
     skin::PoseSelection selection;  ///< which of the source's poses become samples
 };
 

@@ -142,6 +142,15 @@ void check_detail(const files::CertificateDetail& detail, Lines& lines) {
     if (detail.rung >= simulate::rung_count)
         lines.add("/certificate/rung",
                   "is " + std::to_string(detail.rung) + ", the ladder has " + std::to_string(simulate::rung_count));
+    const auto known = [](int status) { return status >= -1 && status < simulate::drape_status_count; };
+    if (!std::all_of(detail.rung_status.begin(), detail.rung_status.end(), known))
+        lines.add("/certificate/rung_*_status", "names no status");
+    // A file without them has none of them.
+    const auto tried =
+        std::count_if(detail.rung_status.begin(), detail.rung_status.end(), [](int status) { return status >= 0; });
+    if (tried > 0 && detail.tries >= 1 && tried != detail.tries)
+        lines.add("/certificate/tries",
+                  "is " + std::to_string(detail.tries) + ", but " + std::to_string(tried) + " rungs have a status");
 }
 
 void check_measured(const SampleChecker& checker, const files::SampleRecord& sample, const Positions* posed,

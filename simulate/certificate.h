@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <string_view>
 #include <vector>
 
@@ -11,6 +12,15 @@ namespace toile::simulate {
 
 /// A vertex faster than this counts as moving [m/s]: GarmentCode's 0.03 cm in a frame of 1/60 s.
 inline constexpr double moving_speed = 0.018;
+
+/// Rungs of the ladder, see simulate/ladder.h.
+inline constexpr int rung_count = 4;
+
+/// What came of one rung.
+struct RungOutcome {
+    int status = -1;             ///< a DrapeStatus; -1: not tried
+    double residual_force = -1;  ///< as in `Certificate`; -1: not tried
+};
 
 /// The proof stored with each sample (contract: /certificate/*).
 struct Certificate {
@@ -27,6 +37,7 @@ struct Certificate {
     int tries = 1;            ///< drapes it took, see simulate/ladder.h
     int rung = 0;             ///< which try is the one kept
     double seconds = 0;       ///< wall time, over all tries [s]
+    std::array<RungOutcome, rung_count> rungs = {};
 };
 
 /// 0 accepted; anything else names why a sample is not.

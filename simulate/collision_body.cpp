@@ -8,6 +8,7 @@
 #include <set>
 
 #include "cloth/topology.h"
+#include "simulate/body_parts.h"
 #include "simulate/stopwatch.h"
 
 namespace toile::simulate {
@@ -58,40 +59,56 @@ Positions ReachableSurface::positions(const Positions& posed_body) const {
 
 ReachableSurface reachable_surface(const Triangles& body_triangle, const Positions& posed_body, const Positions& cloth,
                                    double within) {
-    const std::vector<bool> near = vertices_near(posed_body, cloth, within);
-    std::vector<int> kept;
-    for (int f = 0; f < body_triangle.rows(); ++f)
-        if (near[body_triangle(f, 0)] || near[body_triangle(f, 1)] || near[body_triangle(f, 2)]) kept.push_back(f);
-    if (kept.empty()) {  // cloth that is nowhere near: the whole body
-        kept.resize(static_cast<size_t>(body_triangle.rows()));
-        std::iota(kept.begin(), kept.end(), 0);
-    }
+    std::vector<int> all(static_cast<size_t>(body_triangle.rows()));
+    std::iota(all.begin(), all.end(), 0);
+    return reachable_surface(body_triangle, std::vector<std::vector<int>>{all}, posed_body, cloth, within);
+}
 
+ReachableSurface reachable_surface(const Triangles& body_triangle, const std::vector<std::vector<int>>& part,
+                                   const Positions& posed_body, const Positions& cloth, double within) {
+    const std::vector<bool> near = vertices_near(posed_body, cloth, within);
     ReachableSurface surface;
     surface.body_vertex_count = static_cast<int>(posed_body.rows());
-    surface.share =
-        static_cast<double>(kept.size()) / static_cast<double>(std::max<Eigen::Index>(body_triangle.rows(), 1));
-    Triangles cut(static_cast<int>(kept.size()), 3);
-    for (size_t k = 0; k < kept.size(); ++k) cut.row(static_cast<int>(k)) = body_triangle.row(kept[k]);
-    surface.cap = boundary_loops(cut);
-    int fans = 0;
-    for (const std::vector<int>& loop : surface.cap) fans += static_cast<int>(loop.size());
-    surface.triangle.resize(cut.rows() + fans, 3);
-    surface.triangle.topRows(cut.rows()) = cut;
-    int row = static_cast<int>(cut.rows());
-    for (size_t k = 0; k < surface.cap.size(); ++k) {
-        const std::vector<int>& loop = surface.cap[k];
-        const int centre = surface.body_vertex_count + static_cast<int>(k);
-        for (size_t i = 0; i < loop.size(); ++i)
-            surface.triangle.row(row++) << loop[(i + 1) % loop.size()], loop[i], centre;
+    std::vector<Eigen::RowVector3i> row;
+    int kept_of_body = 0;
+    const auto add_part = [&](const std::vector<int>& kept) {
+        for (const int f : kept) row.emplace_back(body_triangle.row(f));
+        const Triangles cut = body_triangle(kept, Eigen::all);
+        for (std::vector<int>& loop : boundary_loops(cut)) {
+            const int centre = surface.body_vertex_count + static_cast<int>(surface.cap.size());
+            for (size_t i = 0; i < loop.size(); ++i) row.emplace_back(loop[(i + 1) % loop.size()], loop[i], centre);
+            surface.cap.push_back(std::move(loop));
+        }
+        surface.part_end.push_back(static_cast<int>(row.size()));
+        kept_of_body += static_cast<int>(kept.size());
+    };
+    for (const std::vector<int>& whole : part) {
+        std::vector<int> kept;
+        for (const int f : whole)
+            if (near[body_triangle(f, 0)] || near[body_triangle(f, 1)] || near[body_triangle(f, 2)]) kept.push_back(f);
+        if (!kept.empty()) add_part(kept);
     }
+    if (row.empty())  // cloth that is nowhere near: the whole body
+        for (const std::vector<int>& whole : part)
+            if (!whole.empty()) add_part(whole);
+    surface.share =
+        static_cast<double>(kept_of_body) / static_cast<double>(std::max<Eigen::Index>(body_triangle.rows(), 1));
+    surface.triangle.resize(static_cast<int>(row.size()), 3);
+    for (size_t k = 0; k < row.size(); ++k) surface.triangle.row(static_cast<int>(k)) = row[k];
     return surface;
 }
 
 BodyLevelSet::BodyLevelSet(const skin::Body& body, const Positions& posed_body, const Positions& cloth, double voxel,
                            double thickness)
-    : surface(reachable_surface(body.triangle, posed_body, cloth, reach)),
-      level_set(surface.triangle, surface.positions(posed_body), voxel, thickness + band_voxels * voxel) {}
+    : BodyLevelSet(body, std::make_shared<const std::vector<std::vector<int>>>(body_parts(body)), posed_body, cloth,
+                   voxel, thickness) {}
+
+BodyLevelSet::BodyLevelSet(const skin::Body& body, std::shared_ptr<const std::vector<std::vector<int>>> parts,
+                           const Positions& posed_body, const Positions& cloth, double voxel, double thickness)
+    : part(std::move(parts)),
+      surface(reachable_surface(body.triangle, *part, posed_body, cloth, reach)),
+      level_set(surface.triangle, surface.part_end, surface.positions(posed_body), voxel,
+                thickness + band_voxels * voxel) {}
 
 CollisionBody::CollisionBody(const skin::Body& body, skin::SkinningMethod method, const LevelSetOptions& options,
                              double thickness)
@@ -167,7 +184,7 @@ void CollisionBody::fit_level_set(bool exact, const Positions& cloth, DrapeRepor
         carried_error() > path_error * options_.error_bound) {
         ++report.level_sets;
         const double voxel = options_.voxel * (exact ? 1.0 : path_coarseness);
-        use(std::make_shared<const BodyLevelSet>(body_, now_.position, cloth, voxel, thickness_));
+        use(std::make_shared<const BodyLevelSet>(body_, level_set_->part, now_.position, cloth, voxel, thickness_));
     }
     std::fill(in_use_.begin(), in_use_.end(), 0);
 }

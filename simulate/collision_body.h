@@ -19,7 +19,8 @@ struct ReachableSurface {
     Triangles triangle;                 ///< into body vertices, then cap centres
     std::vector<std::vector<int>> cap;  ///< body vertices around each cap centre
     int body_vertex_count = 0;
-    double share = 1.0;  ///< of the body's triangles that are kept
+    std::vector<int> part_end;  ///< the row of `triangle` after the last of each part; a part is closed by itself
+    double share = 1.0;         ///< of the body's triangles that are kept
 
     /// Body positions followed by the caps' centres.
     Positions positions(const Positions& posed_body) const;
@@ -28,14 +29,21 @@ struct ReachableSurface {
 /// Keeps what lies within about `reach` [m] of the cloth.
 ReachableSurface reachable_surface(const Triangles& body_triangle, const Positions& posed_body, const Positions& cloth,
                                    double reach);
+/// The same of each part of the body, lists of its triangles, one after the other.
+ReachableSurface reachable_surface(const Triangles& body_triangle, const std::vector<std::vector<int>>& part,
+                                   const Positions& posed_body, const Positions& cloth, double reach);
 
-/// The level set of what of a posed body the cloth can reach.
+/// The level set of what of a posed body the cloth can reach, the union of those of its parts.
 struct BodyLevelSet {
+    std::shared_ptr<const std::vector<std::vector<int>>> part;  ///< see simulate/body_parts.h
     ReachableSurface surface;
     skin::LevelSet level_set;
 
     BodyLevelSet(const skin::Body& body, const Positions& posed_body, const Positions& cloth, double voxel,
                  double thickness);
+    /// In a pose, with the parts that another pose has found.
+    BodyLevelSet(const skin::Body& body, std::shared_ptr<const std::vector<std::vector<int>>> part,
+                 const Positions& posed_body, const Positions& cloth, double voxel, double thickness);
 };
 
 /// The moving body as an obstacle: a level set, made anew when the body has deformed too much, and carried along

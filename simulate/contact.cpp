@@ -161,12 +161,21 @@ double Contact::energy(const Positions& x) const {
             const double depth = options_.thickness - obstacle_.distance(p, state.piece);
             if (depth > 0.0) energy += points_[k].area * pressure_at(depth) * depth / 3.0;
         }
-        const double most = largest_friction(state);
-        if (most > 0.0) {
-            const double length = slip_of(state, p).norm(), spring = state.spring;
-            energy += spring * length < most ? 0.5 * spring * length * length : most * (length - 0.5 * most / spring);
-        }
+        energy += friction_energy(state, p);
     }
+    return energy;
+}
+
+double Contact::friction_energy(const State& state, const Eigen::Vector3d& p) const {
+    const double most = largest_friction(state);
+    if (!(most > 0.0)) return 0.0;
+    const double length = slip_of(state, p).norm(), spring = state.spring;
+    return spring * length < most ? 0.5 * spring * length * length : most * (length - 0.5 * most / spring);
+}
+
+double Contact::friction_energy(const Positions& x) const {
+    double energy = 0.0;
+    for (size_t k = 0; k < points_.size(); ++k) energy += friction_energy(state_[k], position(x, points_[k]));
     return energy;
 }
 

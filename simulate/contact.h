@@ -45,6 +45,8 @@ class Contact {
 
     /// Friction's normal forces and directions stay those of the last `linearise`.
     double energy(const Positions& x) const;
+    /// Friction's share of it.
+    double friction_energy(const Positions& x) const;
     void add_gradient(Positions& gradient) const;
     /// Positive semidefinite: the distance's own curvature is left out.
     void add_hessian(BlockValues& hessian) const;
@@ -81,6 +83,7 @@ class Contact {
     double pressure_at(double depth) const;
     Eigen::Vector3d slip_of(const State& state, const Eigen::Vector3d& p) const;
     double largest_friction(const State& state) const;
+    double friction_energy(const State& state, const Eigen::Vector3d& p) const;
     Eigen::Matrix3d hessian_block(const ContactPoint& point, const State& state) const;
     void scatter(const ContactPoint& point, const Eigen::Vector3d& gradient, Positions& total) const;
 

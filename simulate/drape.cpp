@@ -75,6 +75,8 @@ DrapeResult climb(const DrapeModel& model, const Task& task) {
     for (const TryRecord& one : tries) {
         best.certificate.iterations += one.certificate.iterations;
         best.certificate.path_steps += one.certificate.path_steps;
+        best.certificate.rungs[static_cast<size_t>(one.rung)] = {static_cast<int>(one.status),
+                                                                 one.certificate.residual_force};
     }
     best.tries = std::move(tries);
     return best;

@@ -26,8 +26,8 @@ struct DrapeScene {
     MembraneOptions membrane;
     std::optional<BendingOptions> bending;
     std::optional<StrainLimitOptions> strain_limit;  ///< unknown to `bullet`
-    std::optional<WindOptions> wind;                 ///< unknown to `bullet`
-    std::optional<ContactOptions> contact;           ///< required by body, table and sphere
+    std::optional<WindOptions> wind;
+    std::optional<ContactOptions> contact;  ///< required by body, table and sphere
     std::optional<SelfContactOptions> self_contact;
     std::optional<skin::Body> body;
     skin::SkinningMethod skinning = skin::SkinningMethod::linear;
@@ -59,7 +59,12 @@ struct DrapeResult {
 
 /// Told of a drape's energy (`Solver::energy`) before each step towards rest, the solids standing still. `first` where
 /// the cloth sets out towards rest, again at each try.
-using EnergyWatch = std::function<void(double energy, bool first)>;
+struct EnergySample {
+    double energy;            ///< [J]
+    double held_by_friction;  ///< `Solver::held_by_friction` [J]
+    bool first;
+};
+using EnergyWatch = std::function<void(const EnergySample&)>;
 
 struct DrapeModel;
 

@@ -37,9 +37,6 @@ const DrapeScene& checked(const DrapeScene& scene) {
     if (scene.solver.solver == "bullet") {
         const std::string unknown = " is unknown to the solver \"bullet\"";
         if (scene.strain_limit) throw Error("a strain limit" + unknown);
-        if (scene.wind) throw Error("wind" + unknown);
-        if (scene.bending && scene.bending->rest == BendingRest::start)
-            throw Error("bending about the start" + unknown);
         if (scene.membrane.compression == Compression::tension_field) throw Error("a tension field" + unknown);
     }
     for (int v : scene.pinned)

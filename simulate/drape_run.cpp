@@ -159,7 +159,7 @@ void DrapeRun::come_to_rest(const EnergyWatch& watch) {
     int step = 0;
     while (report_.iterations < last) {
         const double residual = relative_residual();
-        if (watch) watch(solver_->energy(), std::exchange(first, false));
+        if (watch) watch({solver_->energy(), solver_->held_by_friction(), std::exchange(first, false)});
         if (!std::isfinite(residual)) return;
         progress.residual_is(residual, report_.iterations);
         if (step++ % Progress::energy_interval == 0)

@@ -104,7 +104,13 @@ double ImplicitSolver::energy() const {
     if (wind_) energy += wind_->energy(x_);
     for (const Contact* contact : contacts_) energy += contact->energy(x_);
     if (self_contact_) energy += self_contact_->energy(x_);
-    return energy;
+    return energy - held_by_friction();
+}
+
+double ImplicitSolver::held_by_friction() const {
+    double held = 0.0;
+    for (const Contact* contact : contacts_) held += contact->friction_energy(x_);
+    return held;
 }
 
 Eigen::VectorXd ImplicitSolver::speeds() {

@@ -22,6 +22,7 @@ class ImplicitSolver final : public Solver {
     double largest_speed() override { return speeds().maxCoeff(); }
     Eigen::VectorXd speeds() override;
     double energy() const override;
+    double held_by_friction() const override;
 
   private:
     void begin_step();

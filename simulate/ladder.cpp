@@ -9,6 +9,9 @@
 namespace toile::simulate {
 namespace {
 
+/// No rung makes level sets finer than this [m].
+constexpr double finest_voxel = 0.002;
+
 /// How far through the gate a status is: the later the reason, the more was right.
 int rank(DrapeStatus status) {
     constexpr std::array order{DrapeStatus::not_finite,      DrapeStatus::not_at_rest,   DrapeStatus::penetrates_body,
@@ -47,6 +50,7 @@ DrapeScene rung_scene(const DrapeScene& scene, int rung) {
         changed.schedule.joint_step *= 0.5;
         changed.solver.time_step *= 0.5;
         changed.schedule.path_iterations *= 2;
+        changed.level_set.voxel = std::max(0.5 * scene.level_set.voxel, std::min(scene.level_set.voxel, finest_voxel));
     }
     if (rung >= 3) {
         changed.solver.damping = std::max(10.0 * scene.solver.damping, 1.0);

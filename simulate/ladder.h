@@ -15,7 +15,9 @@ namespace toile::simulate {
 /// What happens to a drape that misses its gate: it is tried again, each time with more effort.
 ///
 ///     rung 0  as configured
-///          1  smaller steps: half the joint step and half the time step, twice the iterations a path step may take
+///          1  smaller steps: half the joint step and half the time step, twice the iterations a path step may take,
+///          and
+///             level sets of half the voxel
 ///          2  a longer path, in those steps: first the trunk with the limbs as in the neutral pose, then upper arms
 ///          and
 ///             legs, then lower ones, each leg of the way followed by a rest
@@ -28,7 +30,6 @@ namespace toile::simulate {
 struct LadderOptions {
     int tries = 3;  ///< after the first, 0 to 3
 };
-inline constexpr int rung_count = 4;
 std::string_view rung_name(int rung);
 
 /// What came of one try.

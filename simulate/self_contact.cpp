@@ -19,8 +19,6 @@ constexpr double room_share = 0.8;
 constexpr long most_overlaps = 60;
 /// Friction is smoothed below this speed [m/s], and never below this length [m].
 constexpr double sticking_speed = 0.002, shortest_slip = 1e-5;
-/// Share of the size of a mesh' features that their thickness may have.
-constexpr double size_share = 0.5;
 /// The barrier goes on as a straight line below this share of the thickness, where it is some tens of p₀: Newton's
 /// matrix stays well conditioned however near two features are.
 constexpr double straight_share = 0.05;
@@ -43,32 +41,17 @@ SelfContact::SelfContact(const ClothMesh& mesh, const Topology& topology, const 
       pressure_(pressure),
       vertex_area_(Eigen::VectorXd::Zero(mesh.vertex_count())),
       edge_area_(Eigen::VectorXd::Zero(topology.edge.rows())),
-      vertex_size_(Eigen::VectorXd::Constant(mesh.vertex_count(), options.thickness)),
-      triangle_size_(Eigen::VectorXd::Constant(mesh.triangle_count(), options.thickness)),
-      edge_size_(Eigen::VectorXd::Constant(topology.edge.rows(), options.thickness)),
       rest_length_(edge_rest_lengths(mesh, topology)),
+      thickness_(feature_thickness(mesh, topology, rest_length_, options.thickness)),
       candidates_(mesh.triangle, topology.edge) {
     for (int f = 0; f < mesh.triangle_count(); ++f) {
         const double area = membrane_stencil(mesh, f).area;
-        double longest = 0.0;
         for (int c = 0; c < 3; ++c) {
-            const int edge = topology.triangle_edge(f, c);
-            longest = std::max(longest, rest_length_[edge]);
             vertex_area_[mesh.triangle(f, c)] += area / 3.0;
-            edge_area_[edge] += area / 3.0;
-        }
-        triangle_size_[f] = std::min(options.thickness, size_share * 2.0 * area / longest);
-        for (int c = 0; c < 3; ++c) {
-            double& vertex = vertex_size_[mesh.triangle(f, c)];
-            vertex = std::min(vertex, triangle_size_[f]);
+            edge_area_[topology.triangle_edge(f, c)] += area / 3.0;
         }
     }
-    // What lies beyond a sliver is as near as the sliver is thin: all that meets one has to be as thin.
-    for (int f = 0; f < mesh.triangle_count(); ++f)
-        for (int c = 0; c < 3; ++c) triangle_size_[f] = std::min(triangle_size_[f], vertex_size_[mesh.triangle(f, c)]);
-    for (int e = 0; e < topology.edge.rows(); ++e)
-        edge_size_[e] = std::min(vertex_size_[topology.edge(e, 0)], vertex_size_[topology.edge(e, 1)]);
-    candidates_.set_reach(vertex_size_, triangle_size_, edge_size_);
+    candidates_.set_reach(thickness_.vertex, thickness_.triangle, thickness_.edge);
     if (rest_length_.size() > 0) margin_ = std::min(widest_margin, 0.25 * rest_length_.mean());
 }
 
@@ -82,10 +65,10 @@ void SelfContact::collect(const Positions& x) {
     const double unknown = 0.0;
     for (const VertexTrianglePair& pair : found_.vertex_triangle)
         pairs_.push_back({pair.point, false, 0.5 * vertex_area_[pair.vertex],
-                          std::min(vertex_size_[pair.vertex], triangle_size_[pair.triangle]), unknown});
+                          std::min(thickness_.vertex[pair.vertex], thickness_.triangle[pair.triangle]), unknown});
     for (const EdgeEdgePair& pair : found_.edge_edge)
         pairs_.push_back({pair.point, true, 0.25 * (edge_area_[pair.first] + edge_area_[pair.second]),
-                          std::min(edge_size_[pair.first], edge_size_[pair.second]), unknown});
+                          std::min(thickness_.edge[pair.first], thickness_.edge[pair.second]), unknown});
     fade_.assign(pairs_.size(), 1.0);
     for (size_t k = 0; k < pairs_.size(); ++k) {
         Pair& pair = pairs_[k];

@@ -8,6 +8,7 @@
 #include "cloth/topology.h"
 #include "simulate/contact_candidates.h"
 #include "simulate/continuous_collision.h"
+#include "simulate/feature_thickness.h"
 #include "simulate/options.h"
 
 namespace toile::simulate {
@@ -97,9 +98,9 @@ class SelfContact {
 
     SelfContactOptions options_;
     double pressure_;
-    Eigen::VectorXd vertex_area_, edge_area_;                  // [m^2]
-    Eigen::VectorXd vertex_size_, triangle_size_, edge_size_;  // thickness that fits [m]
+    Eigen::VectorXd vertex_area_, edge_area_;  // [m^2]
     Eigen::VectorXd rest_length_;
+    FeatureThickness thickness_;
     ContactCandidates candidates_;
     CandidatePairs found_;
     std::vector<Pair> pairs_;

@@ -37,6 +37,9 @@ class Solver {
     /// Potential and kinetic energy of the cloth where it is now [J]: what a step towards rest must not raise. NaN
     /// where a solver's forces have no energy.
     virtual double energy() const { return std::numeric_limits<double>::quiet_NaN(); }
+    /// What the springs hold that stand for sticking friction [J], which is not part of `energy`: a step can give no
+    /// more than that back to the cloth.
+    virtual double held_by_friction() const { return 0.0; }
 };
 
 /// The solver that `model.scene.solver.solver` names. Model, contacts and report must outlive it.

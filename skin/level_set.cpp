@@ -1,6 +1,7 @@
 #include "skin/level_set.h"
 
 #include <openvdb/openvdb.h>
+#include <openvdb/tools/Composite.h>
 #include <openvdb/tools/MeshToVolume.h>
 #include <tbb/task_arena.h>
 
@@ -171,6 +172,17 @@ struct LevelSet::Impl {
         // it voxels where the surface overlaps itself come out with the wrong sign.
         distance = openvdb::tools::meshToVolume<FloatGrid>(mesh, *transform, width, width, 0, nearest_triangle.get());
     }
+    /// Joins a part whose triangles are numbered from `first`. The lesser distance is the union's.
+    void unite(Impl& part, int first) {
+        FloatGrid::Accessor mine = distance->getAccessor();
+        Int32Grid::Accessor my_triangle = nearest_triangle->getAccessor(), other = part.nearest_triangle->getAccessor();
+        for (auto voxel_in = part.distance->cbeginValueOn(); voxel_in; ++voxel_in) {
+            if (!voxel_in.isVoxelValue() || !(*voxel_in < mine.getValue(voxel_in.getCoord()))) continue;
+            const int triangle = other.getValue(voxel_in.getCoord());
+            if (triangle >= 0) my_triangle.setValue(voxel_in.getCoord(), first + triangle);
+        }
+        openvdb::tools::csgUnion(*distance, *part.distance);
+    }
     /// OpenVDB trims narrow bands only; without this, values just beyond a wide one would exceed it.
     void clamp_to_band() {
         const float limit = distance->background();
@@ -194,6 +206,30 @@ LevelSet::LevelSet(const Triangles& triangle, const Positions& position, double 
     impl_->voxel = voxel;
     impl_->band_width = band_width;
     run_on_this_thread([&] { impl_->convert(triangle, position); });
+    impl_->clamp_to_band();
+    impl_->find_bounds();
+}
+
+LevelSet::LevelSet(const Triangles& triangle, const std::vector<int>& part_end, const Positions& position, double voxel,
+                   double band_width)
+    : impl_(std::make_unique<Impl>()) {
+    check_level_set_input(triangle, position, voxel, band_width);
+    impl_->voxel = voxel;
+    impl_->band_width = band_width;
+    run_on_this_thread([&] {
+        int first = 0;
+        for (const int end : part_end) {
+            Impl part{voxel, band_width, {}, {}, {}, {}};
+            part.convert(triangle.middleRows(first, end - first), position);
+            if (impl_->distance) {
+                impl_->unite(part, first);
+            } else {
+                impl_->distance = part.distance;
+                impl_->nearest_triangle = part.nearest_triangle;
+            }
+            first = end;
+        }
+    });
     impl_->clamp_to_band();
     impl_->find_bounds();
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <vector>
 
 #include "cloth/types.h"
 #include "skin/surface_extraction.h"
@@ -18,6 +19,11 @@ class LevelSet {
     /// the calling thread alone; the result depends on the arguments alone. Throws Error for a surface without
     /// triangles, with indices out of range or positions that are not finite, and for a voxel or band out of range.
     LevelSet(const Triangles& triangle, const Positions& position, double voxel, double band_width);
+    /// The union of closed surfaces, each a run of triangles that ends before a row of `part_end`. Distances within the
+    /// union are those of the part that a point lies deepest in. Gaps between two parts stay open however narrow, while
+    /// those within one close where they are narrower than about two voxels.
+    LevelSet(const Triangles& triangle, const std::vector<int>& part_end, const Positions& position, double voxel,
+             double band_width);
     ~LevelSet();
     LevelSet(LevelSet&&) noexcept;
     LevelSet& operator=(LevelSet&&) noexcept;

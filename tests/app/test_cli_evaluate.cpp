@@ -51,6 +51,9 @@ TEST_F(CliEvaluate, TriesAnExtreme) {
     EXPECT_THAT(outcome.out, HasSubstr("implicit: 1 of 1 cases passed"));
     for (const char* name : {"stable/stability.csv", "stable/stability.json", "stable/stability.png"})
         EXPECT_TRUE(std::filesystem::exists(path(name))) << name;
+    const Outcome more = run("evaluate stability --out stable --filter 'friction 0, on a table' --tries 0 --resume");
+    EXPECT_EQ(more.status, 0) << more.out << more.err;
+    EXPECT_THAT(more.out, HasSubstr("implicit: 2 of 2 cases passed"));
 }
 
 TEST_F(CliEvaluate, RefusesWhatItCannotMeasure) {
@@ -66,6 +69,10 @@ TEST_F(CliEvaluate, RefusesWhatItCannotMeasure) {
     expect_refused("evaluate stability --out d --solver guesswork", "guesswork");
     expect_refused("evaluate stability --out d --filter nosuchcase", "nosuchcase");
     expect_refused("evaluate stability --out file --quick", "in the way");
+    expect_refused("evaluate stability --out d --quick --tries 9", "--tries");
+    std::filesystem::create_directories(path("broken"));
+    write("broken/stability.json", "{}");
+    expect_refused("evaluate stability --out broken --quick --resume", "stability.json");
 }
 
 }  // namespace

@@ -3,14 +3,17 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "cloth/error.h"
 #include "evaluate/stability_picture.h"
 #include "evaluate/stability_report.h"
+#include "evaluate/stability_results.h"
 #include "files/image_file.h"
 
 namespace toile::evaluate {
@@ -84,6 +87,40 @@ TEST_F(StabilityFiles, LeavesTableFiguresAndPicture) {
     EXPECT_EQ(static_cast<size_t>(std::count(header.begin(), header.end(), ',')) + 1, json.at("cases").at(0).size());
     EXPECT_EQ(json.at("cases").at(0).at("passed"), summary.passed());
     EXPECT_GT(files::read_png(summary.path[2]).width, 100);
+}
+
+TEST_F(StabilityFiles, KeepsWhatItIsToldToResumeFrom) {
+    StabilityOptions options;
+    options.filter = "friction 2, on a table";
+    const StabilitySummary first = evaluate_stability(options, folder_.string());
+    ASSERT_EQ(first.outcome.size(), 1u);
+
+    StabilityOutcome kept = first.outcome[0];
+    kept.certificate.seconds = 12345.0;  // which no run of it takes
+    kept.energy_rise = std::numeric_limits<double>::quiet_NaN();
+    std::ofstream(first.path[1]) << stability_json({kept, outcome("friction 9, elsewhere", "xpbd", true)});
+    options.resume = true;
+    options.filter = "on a table";
+    options.quick = true;
+    const StabilitySummary second = evaluate_stability(options, folder_.string());
+    ASSERT_GT(second.outcome.size(), 2u);
+    int times = 0;
+    for (const StabilityOutcome& one : second.outcome) {
+        if (one.name != kept.name) continue;
+        ++times;
+        EXPECT_EQ(one.certificate.seconds, 12345.0) << "not run again";
+        EXPECT_TRUE(std::isnan(one.energy_rise));
+        EXPECT_EQ(one.certificate.residual_force, kept.certificate.residual_force);
+    }
+    EXPECT_EQ(times, 1);
+    EXPECT_EQ(second.outcome.back().solver, "xpbd") << "what was there of other solvers stays, in their place";
+
+    options.resume = false;
+    options.filter = "friction 2, on a table";
+    EXPECT_EQ(evaluate_stability(options, folder_.string()).outcome.size(), 1u);
+    std::ofstream(first.path[1]) << "{}";
+    options.resume = true;
+    EXPECT_THROW(evaluate_stability(options, folder_.string()), Error);
 }
 
 TEST_F(StabilityFiles, RefusesAPlaceThatIsAFile) {

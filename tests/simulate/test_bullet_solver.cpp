@@ -10,7 +10,9 @@
 #include "simulate/certificate.h"
 #include "simulate/contact.h"
 #include "simulate/drape_model.h"
+#include "simulate/self_intersection.h"
 #include "tests/simulate/cloth_square.h"
+#include "tests/simulate/two_layers.h"
 
 namespace toile::simulate {
 namespace {
@@ -289,6 +291,68 @@ TEST(BulletSolver, IsCarriedWithTheSolids) {
     carried.rowwise() += plane.offset.transpose();
     run.solver->follow(carried);
     EXPECT_LT((run.solver->position() - carried).cwiseAbs().maxCoeff(), 1e-5);
+}
+
+/// A sheet that falls 3 mm onto another one, which hangs by its rim.
+Positions fallen_sheet(bool feels_itself, int steps, int& crossings) {
+    const int n = 6;
+    DrapeScene scene;
+    scene.mesh = test::two_layers(0.003, n, 0.12);
+    scene.solver.solver = "bullet";
+    if (feels_itself) scene.self_contact.emplace();
+    for (int j = 0; j <= n; ++j)
+        for (int i = 0; i <= n; ++i)
+            if (i == 0 || j == 0 || i == n || j == n) scene.pinned.push_back(j * (n + 1) + i);
+    Drape run(scene);
+    const Positions& x = run.settle(steps);
+    crossings = count_self_intersections(scene.mesh.triangle, x);
+    return x;
+}
+
+TEST(BulletSolver, LayersFeelEachOther) {
+    const int steps = 6;  // of 10 ms: 18 mm of free fall
+    int crossings = -1, unfelt = -1;
+    const Positions with = fallen_sheet(true, steps, crossings), without = fallen_sheet(false, steps, unfelt);
+    const Eigen::Index half = with.rows() / 2, middle = half + half / 2;
+    EXPECT_LT(without(middle, 1), -0.004) << "nothing holds it";
+    EXPECT_GT(with(middle, 1), with(half / 2, 1)) << "the lower layer does, which sags";
+    EXPECT_EQ(crossings, 0);
+}
+
+TEST(BulletSolver, WindMovesWhatHangsInIt) {
+    DrapeScene scene = square_scene(6, 0.2, 1.0);
+    scene.solver.gravity.setZero();
+    scene.solver.damping = 0.0;
+    scene.wind.emplace();
+    scene.wind->velocity = {0.0, 4.0, 0.0};
+    Drape run(scene);
+    run.solver->follow(run.solver->position());
+    // A plate across a wind u gains the speed v as dv/dt = ρ C_D (u − v)² / (2 σ) with its density σ.
+    const double rate = 1.2 * 1.2 / (2.0 * 0.2), h = scene.solver.time_step;
+    const double speed = 4.0 - 1.0 / (1.0 / 4.0 + rate * h);
+    const Positions way = run.solver->position() - scene.mesh.rest_position;
+    const double expected = 4.0 * h - std::log(1.0 + 4.0 * rate * h) / rate;
+    EXPECT_GT(speed, 0.0);
+    EXPECT_NEAR(way.col(1).mean(), expected, 0.03 * expected);
+}
+
+TEST(BulletSolver, KeepsTheFoldsItStartsWith) {
+    const auto opened = [](BendingRest rest) {
+        DrapeScene scene = square_scene(2, 0.2, 0.0);
+        scene.solver.gravity.setZero();
+        scene.bending->rest = rest;
+        scene.bending->stiffness = 1e-3;
+        const Eigen::VectorXd along = scene.mesh.rest_position.col(0);
+        for (int v = 0; v < along.size(); ++v) {  // bent along its middle
+            scene.mesh.rest_position(v, 0) = std::cos(0.5) * along[v];
+            scene.mesh.rest_position(v, 1) = std::sin(0.5) * std::abs(along[v]);
+        }
+        Drape run(scene);
+        run.settle(50);
+        return (run.solver->position() - scene.mesh.rest_position).rowwise().norm().maxCoeff();
+    };
+    EXPECT_LT(opened(BendingRest::start), 1e-9);
+    EXPECT_GT(opened(BendingRest::flat), 1e-3);
 }
 
 TEST(BulletSolver, SameBytesTwiceAndFromTwoThreads) {

@@ -6,6 +6,7 @@
 #include "simulate/self_contact.h"
 #include "simulate/self_intersection.h"
 #include "tests/simulate/cloth_square.h"
+#include "tests/simulate/two_layers.h"
 #include "tests/support/derivative_checker.h"
 
 namespace toile::simulate {
@@ -13,29 +14,15 @@ namespace {
 
 constexpr double pressure = 2e4;
 
-/// Two squares of cloth, one `gap` above the other, turned a little so that edges cross edges.
 struct Layers {
     ClothMesh mesh;
     Topology topology;
     Positions x;
 
-    explicit Layers(double gap, int n = 5) {
-        const ClothMesh one = test::cloth_square(n, 0.1, 0.0);
-        const int count = one.vertex_count();
-        mesh.rest_position.resize(2 * count, 3);
-        const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY()).toRotationMatrix();
-        mesh.rest_position.topRows(count) = one.rest_position;
-        mesh.rest_position.bottomRows(count) = one.rest_position * turn.transpose();
-        mesh.rest_position.bottomRows(count).col(1).array() += gap;
-        mesh.pattern_position.resize(2 * count, 2);
-        mesh.pattern_position << one.pattern_position, one.pattern_position;
-        mesh.triangle.resize(2 * one.triangle_count(), 3);
-        mesh.triangle << one.triangle, one.triangle.array() + count;
-        mesh.pattern_triangle = mesh.triangle;
-        mesh.mass = lumped_mass(mesh, 0.2);
-        topology = build_topology(mesh.triangle);
-        x = test::crumpled(mesh.rest_position, 0.1 * gap);
-    }
+    explicit Layers(double gap, int n = 5)
+        : mesh(test::two_layers(gap, n)),
+          topology(build_topology(mesh.triangle)),
+          x(test::crumpled(mesh.rest_position, 0.1 * gap)) {}
     SelfContact contact(double friction = 0.0) const {
         return {mesh, topology, {.thickness = 0.002, .friction = friction}, pressure};
     }

@@ -191,6 +191,30 @@ TEST(LevelSet, OverlappingSurfacesGiveTheUnionOfTheirInsides) {
     }
 }
 
+TEST(LevelSet, KeepsTheGapBetweenTwoPartsOpen) {
+    constexpr double radius = 0.1, voxel = 0.006, gap = 0.004;
+    const Surface one = make_sphere({-radius - 0.5 * gap, 0, 0}, radius, 48);
+    const Surface other = make_sphere({radius + 0.5 * gap, 0, 0}, radius, 48);
+    Surface both;
+    const int vertices = static_cast<int>(one.position.rows()), triangles = static_cast<int>(one.triangle.rows());
+    both.position.resize(2 * vertices, 3);
+    both.position << one.position, other.position;
+    both.triangle.resize(2 * triangles, 3);
+    both.triangle << one.triangle, (other.triangle.array() + vertices).matrix();
+    const LevelSet joined(both.triangle, {triangles, 2 * triangles}, both.position, voxel, 0.02);
+    const LevelSet::Sampler sample(joined);
+    for (const double y : {0.0, 0.01, 0.02, 0.03}) {
+        const double analytic = std::hypot(radius + 0.5 * gap, y) - radius;
+        // The crease in the middle of the gap is smoothed over a voxel.
+        EXPECT_NEAR(sample.distance({0.0, y, 0.0}), analytic, 0.3 * voxel) << y;
+        EXPECT_GT(sample.distance({0.0, y, 0.0}), 0.0) << y;
+    }
+    for (const double side : {-1.0, 1.0}) {
+        EXPECT_EQ(sample({side * 0.012, 0.0, 0.0}).triangle >= triangles, side > 0.0);
+        EXPECT_NEAR(sample.distance({side * 0.012, 0.0, 0.0}), 0.5 * gap - 0.012, 0.1 * voxel);
+    }
+}
+
 TEST(LevelSet, GivesTheSameBytesFromTwoThreadsAtOnce) {
     const Surface sphere = make_sphere({0.1, 0.2, 0.3}, 0.12, 30);
     const auto sample_all = [&] {
