@@ -126,8 +126,6 @@ void bind_poses(ConfigTable& root, SceneConfig& config) {
         {{"sampler", PoseSource::sampler}, {"bvh", PoseSource::bvh}, {"table", PoseSource::table}},
         "evenly within joint limits, a motion, or a table of joint angles");
     bind_selection(*table, poses);
-    // A motion was made by another body, whose arms may not lie against the ribs of this one.
-    if (poses.source == PoseSource::bvh) poses.arm_clearance = 0.012;
     table->real("arm_clearance", poses.arm_clearance,
                 {.lower = 0,
                  .upper = 0.1,

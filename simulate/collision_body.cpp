@@ -208,6 +208,10 @@ double CollisionBody::distance(const Eigen::Vector3d& point, int piece) const {
     return sampler_->smooth_distance(to_built(point, piece));
 }
 
+Eigen::Matrix3d CollisionBody::curvature(const Eigen::Vector3d& point, int piece) const {
+    return since_built_[piece] * sampler_->smooth_curvature(to_built(point, piece)) * since_built_[piece].transpose();
+}
+
 int CollisionBody::piece_near(const Eigen::Vector3d& point, int last) const {
     const skin::LevelSet::Sample sample = (*sampler_)(to_built(point, last));
     if (sample.triangle < 0) return last;

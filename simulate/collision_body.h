@@ -66,6 +66,7 @@ class CollisionBody final : public Obstacle {
 
     Contact sample(const Eigen::Vector3d& point, int piece) const override;
     double distance(const Eigen::Vector3d& point, int piece) const override;
+    Eigen::Matrix3d curvature(const Eigen::Vector3d& point, int piece) const override;
     int piece_near(const Eigen::Vector3d& point, int last) const override;
     Eigen::Vector3d to_world(const Eigen::Vector3d& local, int piece) const override;
     Eigen::Vector3d to_local(const Eigen::Vector3d& world, int piece) const override;

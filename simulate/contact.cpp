@@ -1,5 +1,6 @@
 #include "simulate/contact.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -16,6 +17,15 @@ constexpr double stick_softness = 0.1;
 constexpr double longest_stick = 3e-4;
 /// The normal force may waver by this factor before the spring follows it.
 constexpr double spring_tolerance = 4.0;
+
+/// The positive semidefinite part of -force ∇²d.
+Eigen::Matrix3d hollow_stiffness(const Eigen::Matrix3d& curvature, double force) {
+    if (curvature.isZero(0.0)) return Eigen::Matrix3d::Zero();
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
+    eigen.computeDirect(curvature);
+    const Eigen::Vector3d hollow = (-force * eigen.eigenvalues()).cwiseMax(0.0);
+    return eigen.eigenvectors() * hollow.asDiagonal() * eigen.eigenvectors().transpose();
+}
 
 }  // namespace
 
@@ -113,6 +123,8 @@ void Contact::linearise(const Positions& x) {
             continue;
         }
         state.normal = contact.gradient / length;
+        state.hollow =
+            hollow_stiffness(obstacle_.curvature(state.position, state.piece), points_[k].area * pressure_at(depth));
         if (!state.anchored) {
             state.anchored = true;
             state.spring = stick_spring(points_[k], state.normal_force, 0.0);
@@ -197,7 +209,7 @@ void Contact::add_gradient(Positions& gradient) const {
 Eigen::Matrix3d Contact::hessian_block(const ContactPoint& point, const State& state) const {
     const double slope =
         2.0 * pressure_ * (options_.thickness - state.distance) / (options_.thickness * options_.thickness);
-    Eigen::Matrix3d block = point.area * slope * state.gradient * state.gradient.transpose();
+    Eigen::Matrix3d block = point.area * slope * state.gradient * state.gradient.transpose() + state.hollow;
     const double most = largest_friction(state);
     if (most > 0.0) {
         const Eigen::Matrix3d tangent = Eigen::Matrix3d::Identity() - state.normal * state.normal.transpose();

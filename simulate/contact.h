@@ -48,7 +48,8 @@ class Contact {
     /// Friction's share of it.
     double friction_energy(const Positions& x) const;
     void add_gradient(Positions& gradient) const;
-    /// Positive semidefinite: the distance's own curvature is left out.
+    /// Positive semidefinite: of the distance's own curvature it has where the solid is hollow, which holds the cloth
+    /// more stiffly than a plane would, and not where it bulges.
     void add_hessian(BlockValues& hessian) const;
 
     /// The piece a vertex is tied to, and the one it starts from.
@@ -70,6 +71,7 @@ class Contact {
     struct State {
         int piece = -1;
         Eigen::Vector3d position, gradient;  // at the last look-up
+        Eigen::Matrix3d hollow;              // what the solid's hollows add to the Hessian [N/m]
         double distance = 0.0;
         double normal_force = 0.0;  // [N]
         bool anchored = false;

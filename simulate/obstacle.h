@@ -19,6 +19,11 @@ class Obstacle {
     virtual Contact sample(const Eigen::Vector3d& point, int piece) const = 0;
     virtual double distance(const Eigen::Vector3d& point, int piece) const { return sample(point, piece).distance; }
 
+    /// Second derivatives of the distance [1/m], where they are worth knowing: zero by default.
+    virtual Eigen::Matrix3d curvature(const Eigen::Vector3d& /*point*/, int /*piece*/) const {
+        return Eigen::Matrix3d::Zero();
+    }
+
     /// The piece for a point that was tied to `last`; `last` again where the point is far away. -1 stands for none yet.
     virtual int piece_near(const Eigen::Vector3d& /*point*/, int /*last*/) const { return 0; }
     /// Carries a point from the piece's own frame to the world, and back.

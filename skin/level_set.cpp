@@ -333,4 +333,29 @@ double LevelSet::Sampler::smooth_distance(const Eigen::Vector3d& point) const {
     return distance;
 }
 
+Eigen::Matrix3d LevelSet::Sampler::smooth_curvature(const Eigen::Vector3d& point) const {
+    const Eigen::Vector3d index = point * impl_->per_voxel;
+    if (!impl_->within_bounds(index)) return Eigen::Matrix3d::Zero();
+    const Spline spline(index);
+    const std::array<double, 27> value = spline_values(impl_->distance, spline.centre);
+    const Eigen::Vector3d bend(1.0, -2.0, 1.0);  // second derivatives of the three weights
+    Eigen::Matrix3d curvature = Eigen::Matrix3d::Zero();
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            const Eigen::Map<const Eigen::Vector3d> row(value.data() + 9 * i + 3 * j);
+            const double along = row.dot(spline.weight[2]), rise = row.dot(spline.slope[2]);
+            const double wx = spline.weight[0][i], wy = spline.weight[1][j];
+            const double sx = spline.slope[0][i], sy = spline.slope[1][j];
+            curvature(0, 0) += bend[i] * wy * along;
+            curvature(1, 1) += wx * bend[j] * along;
+            curvature(2, 2) += wx * wy * row.dot(bend);
+            curvature(1, 0) += sx * sy * along;
+            curvature(2, 0) += sx * wy * rise;
+            curvature(2, 1) += wx * sy * rise;
+        }
+    }
+    curvature = curvature.selfadjointView<Eigen::Lower>();
+    return curvature * (impl_->per_voxel * impl_->per_voxel);
+}
+
 }  // namespace toile::skin

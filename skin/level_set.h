@@ -52,6 +52,8 @@ class LevelSet {
         /// above the distance by about voxel²/8 times the sum of the principal curvatures on a convex surface.
         Smooth smooth(const Eigen::Vector3d& point) const;
         double smooth_distance(const Eigen::Vector3d& point) const;  ///< the distance of `smooth` alone
+        /// Second derivatives of `smooth`'s distance [1/m]: constant along each axis within a voxel.
+        Eigen::Matrix3d smooth_curvature(const Eigen::Vector3d& point) const;
 
       private:
         struct Impl;

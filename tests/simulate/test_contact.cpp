@@ -96,5 +96,48 @@ TEST(Contact, AStickingPointIsPulledBack) {
     EXPECT_LT(gradient.col(0).sum(), 0.5 * -gradient.col(1).sum());
 }
 
+/// All space outside a ball: hollow everywhere.
+class Hollow final : public Obstacle {
+  public:
+    Hollow(const Eigen::Vector3d& center, double radius) : center_(center), radius_(radius) {}
+    Contact sample(const Eigen::Vector3d& point, int /*piece*/) const override {
+        const Eigen::Vector3d out = point - center_;
+        return {radius_ - out.norm(), -out.normalized()};
+    }
+    Eigen::Matrix3d curvature(const Eigen::Vector3d& point, int /*piece*/) const override {
+        const Eigen::Vector3d n = (point - center_).normalized();
+        return (n * n.transpose() - Eigen::Matrix3d::Identity()) / (point - center_).norm();
+    }
+
+  private:
+    Eigen::Vector3d center_;
+    double radius_;
+};
+
+TEST(Contact, HessianIsTheGradientsDerivativeInAHollow) {
+    Fixture f;
+    const Hollow hollow({0.0, 0.05, 0.0}, 0.051);
+    Contact contact({0.002, 0.0}, 2e4, f.points, hollow);
+    contact.begin_step(f.x);
+    contact.linearise(f.x);
+    BlockValues hessian(std::make_shared<const BlockSymbolic>(f.symbolic));
+    contact.add_hessian(hessian);
+    const auto size = static_cast<int>(f.x.size());
+    Eigen::MatrixXd whole(size, size);
+    for (int k = 0; k < size; ++k) {
+        const Eigen::VectorXd unit = Eigen::VectorXd::Unit(size, k);
+        hessian.multiply(unit.data(), whole.col(k).data());
+    }
+    EXPECT_GT(whole.norm(), 0.0);
+    const auto gradient = [&](const Eigen::VectorXd& at) -> Eigen::VectorXd {
+        Positions rows = Positions::Zero(f.x.rows(), 3);
+        contact.linearise(test::rows(at));
+        contact.add_gradient(rows);
+        return test::flat(rows);
+    };
+    const auto check = test::check_jacobian(gradient, whole, test::flat(f.x), 1e-4, 1e-5);
+    EXPECT_TRUE(check.passed) << check.message;
+}
+
 }  // namespace
 }  // namespace toile::simulate

@@ -25,6 +25,21 @@ TEST(ArmClearance, LeavesArmsAloneThatAreClear) {
     for (const double raise : {0.0, -0.8, 1.2}) EXPECT_EQ(clearance.clear(arms_at(raise)), arms_at(raise)) << raise;
 }
 
+TEST(ArmClearance, TurnsArmsAwayUntilTheyAreClear) {
+    const ArmClearance clearance(body(), SkinningMethod::linear, gap);
+    int turned = 0;
+    for (double raise = -1.4; raise > -1.95; raise -= 0.1) {
+        const Pose before = arms_at(raise), after = clearance.clear(before);
+        if (after == before) continue;
+        ++turned;
+        const double turn = largest_joint_rotation(before, after);
+        EXPECT_GT(turn, 0.01) << raise;
+        EXPECT_LE(turn, ArmClearance::largest_turn + 1e-9) << raise;
+        EXPECT_EQ(clearance.clear(after), after) << "clear now, " << raise;
+    }
+    EXPECT_GT(turned, 0);
+}
+
 TEST(ArmClearance, KeepsAPoseItWouldHaveToTurnTooFar) {
     RoleAngles angles;
     angles.angle[Role::left_upper_arm] = {-2.6, 0.6, 0.0};  // across the belly, deep inside

@@ -12,6 +12,7 @@
 #include "cloth/error.h"
 #include "skin/level_set.h"
 #include "skin/surface_query.h"
+#include "tests/support/derivative_checker.h"
 
 namespace toile::skin {
 namespace {
@@ -256,6 +257,23 @@ TEST(LevelSet, RefusesWhatItCannotConvert) {
     broken = sphere;
     broken.position(0, 0) = 1e9;
     EXPECT_THROW(LevelSet(broken.triangle, broken.position, 0.01, 0.03), Error);
+}
+
+TEST(LevelSet, SmoothCurvatureIsTheGradientsDerivative) {
+    const Surface ball = make_sphere(Eigen::Vector3d::Zero(), 0.1, 40);
+    const LevelSet level_set(ball.triangle, ball.position, 0.01, 0.04);
+    const LevelSet::Sampler sampler(level_set);
+    // Within voxels, away from their sides, where the curvature jumps.
+    for (const Eigen::Vector3d& cell :
+         {Eigen::Vector3d(9, 2, 1), Eigen::Vector3d(-3, 8, -5), Eigen::Vector3d(1, -10, 2)}) {
+        const Eigen::Vector3d point = 0.01 * (cell + Eigen::Vector3d(0.13, -0.21, 0.09));
+        const auto gradient = [&](const Eigen::VectorXd& at) -> Eigen::VectorXd { return sampler.smooth(at).gradient; };
+        const Eigen::Matrix3d curvature = sampler.smooth_curvature(point);
+        EXPECT_GT(curvature.norm(), 5.0);
+        const auto check = test::check_jacobian(gradient, curvature, point, 1e-3, 1e-6);
+        EXPECT_TRUE(check.passed) << check.message;
+    }
+    EXPECT_EQ(sampler.smooth_curvature({1.0, 1.0, 1.0}).norm(), 0.0) << "far away";
 }
 
 }  // namespace
