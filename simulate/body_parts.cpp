@@ -5,6 +5,8 @@
 #include <queue>
 #include <utility>
 
+#include "skin/skinning.h"
+
 namespace toile::simulate {
 namespace {
 
@@ -13,16 +15,9 @@ constexpr double border = 0.025;
 
 /// Vertices that one joint, or those below it, hold most of.
 std::vector<bool> held_by(const skin::Body& body, int top) {
-    std::vector<bool> below(static_cast<size_t>(body.joint_count()), false);
-    for (int j = 0; j < body.joint_count(); ++j)
-        below[j] = j == top || (body.joint[j].parent >= 0 && below[body.joint[j].parent]);
+    const std::vector<bool> below = skin::joints_below(body, top);
     std::vector<bool> held(static_cast<size_t>(body.vertex_count()));
-    for (int v = 0; v < body.vertex_count(); ++v) {
-        const auto begin = body.weight.value.begin() + body.weight.offset[v];
-        const auto end = body.weight.value.begin() + body.weight.offset[v + 1];
-        held[v] =
-            below[body.weight.joint[static_cast<size_t>(std::max_element(begin, end) - body.weight.value.begin())]];
-    }
+    for (int v = 0; v < body.vertex_count(); ++v) held[v] = below[skin::heaviest_joint(body.weight, v)];
     return held;
 }
 

@@ -19,24 +19,6 @@ constexpr int most_steps = 40;
 /// A little more than is asked for, so that the last step arrives [m].
 constexpr double margin = 5e-4;
 
-std::vector<bool> joints_below(const Body& body, int top) {
-    std::vector<bool> below(static_cast<size_t>(body.joint_count()), false);
-    for (int j = 0; j < body.joint_count(); ++j)
-        below[j] = j == top || (body.joint[j].parent >= 0 && below[body.joint[j].parent]);
-    return below;
-}
-
-/// The joint that holds most of each vertex.
-std::vector<int> heaviest_joints(const Body& body) {
-    std::vector<int> heaviest(static_cast<size_t>(body.vertex_count()));
-    for (int v = 0; v < body.vertex_count(); ++v) {
-        const auto begin = body.weight.value.begin() + body.weight.offset[v];
-        const auto end = body.weight.value.begin() + body.weight.offset[v + 1];
-        heaviest[v] = body.weight.joint[static_cast<size_t>(std::max_element(begin, end) - body.weight.value.begin())];
-    }
-    return heaviest;
-}
-
 /// The joint's rotation after `turn` of the world, everything above it staying.
 Eigen::RowVector3d turned(const Body& body, const Pose& pose, int joint, const Eigen::AngleAxisd& turn) {
     const Eigen::Vector3d theta = pose.row(joint).transpose();
@@ -52,7 +34,8 @@ Eigen::RowVector3d turned(const Body& body, const Pose& pose, int joint, const E
 }  // namespace
 
 ArmClearance::ArmClearance(const Body& body, SkinningMethod method, double gap) : body_(body), method_(method) {
-    const std::vector<int> heaviest = heaviest_joints(body);
+    std::vector<int> heaviest(static_cast<size_t>(body.vertex_count()));
+    for (int v = 0; v < body.vertex_count(); ++v) heaviest[v] = heaviest_joint(body.weight, v);
     std::vector<bool> elsewhere(static_cast<size_t>(body.joint_count()), false);  // neither trunk nor leg
     for (const Role role : {Role::left_upper_arm, Role::right_upper_arm, Role::neck, Role::head}) {
         if (body.role[role] < 0) continue;

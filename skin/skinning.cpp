@@ -20,13 +20,6 @@ std::vector<Eigen::Quaterniond> rotations(const std::vector<Eigen::Matrix4d>& tr
     return rotation;
 }
 
-int heaviest_joint(const SkinWeights& weight, int v) {
-    int heaviest = weight.offset[v];
-    for (int i = weight.offset[v] + 1; i < weight.offset[v + 1]; ++i)
-        if (weight.value[i] > weight.value[heaviest]) heaviest = i;
-    return weight.joint[heaviest];
-}
-
 Positions skin_linear(const Body& body, const std::vector<Eigen::Matrix4d>& transform) {
     std::vector<AffineRows> affine(transform.size());
     for (size_t j = 0; j < transform.size(); ++j) affine[j] = transform[j].topRows<3>();
@@ -77,6 +70,20 @@ Positions skin_dual_quaternion(const Body& body, const std::vector<Eigen::Matrix
 }
 
 }  // namespace
+
+int heaviest_joint(const SkinWeights& weight, int v) {
+    int heaviest = weight.offset[v];
+    for (int i = weight.offset[v] + 1; i < weight.offset[v + 1]; ++i)
+        if (weight.value[i] > weight.value[heaviest]) heaviest = i;
+    return weight.joint[heaviest];
+}
+
+std::vector<bool> joints_below(const Body& body, int top) {
+    std::vector<bool> below(static_cast<size_t>(body.joint_count()), false);
+    for (int j = 0; j < body.joint_count(); ++j)
+        below[j] = j == top || (body.joint[j].parent >= 0 && below[body.joint[j].parent]);
+    return below;
+}
 
 Positions skin_positions(const Body& body, const Pose& pose, SkinningMethod method) {
     const std::vector<Eigen::Matrix4d> transform = skinning_transforms(body, pose);

@@ -19,4 +19,9 @@ Positions skin_positions(const Body& body, const Pose& pose, SkinningMethod meth
 /// the left.
 std::vector<Eigen::Quaterniond> blended_rotations(const Body& body, const Pose& pose);
 
+/// The joint that holds most of vertex v, the first of several.
+int heaviest_joint(const SkinWeights& weight, int v);
+/// Which joints are `top` or below it in the tree.
+std::vector<bool> joints_below(const Body& body, int top);
+
 }  // namespace toile::skin

@@ -6,30 +6,12 @@
 #include "simulate/drape.h"
 #include "simulate/self_intersection.h"
 #include "simulate/xpbd_step.h"
-#include "tests/simulate/cloth_square.h"
+#include "tests/simulate/two_layers.h"
 
 namespace toile::simulate {
 namespace {
 
 constexpr double pressure = 2e4;
-
-/// Two squares of cloth, one `gap` above the other, turned a little so that edges cross edges.
-ClothMesh layers(double gap, int n = 5) {
-    const ClothMesh one = test::cloth_square(n, 0.1, 0.0);
-    const int count = one.vertex_count();
-    ClothMesh mesh;
-    mesh.rest_position.resize(2 * count, 3);
-    const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY()).toRotationMatrix();
-    mesh.rest_position << one.rest_position, one.rest_position * turn.transpose();
-    mesh.rest_position.bottomRows(count).col(1).array() += gap;
-    mesh.pattern_position.resize(2 * count, 2);
-    mesh.pattern_position << one.pattern_position, one.pattern_position;
-    mesh.triangle.resize(2 * one.triangle_count(), 3);
-    mesh.triangle << one.triangle, one.triangle.array() + count;
-    mesh.pattern_triangle = mesh.triangle;
-    mesh.mass = lumped_mass(mesh, 0.2);
-    return mesh;
-}
 
 struct Fixture {
     ClothMesh mesh;
@@ -40,7 +22,7 @@ struct Fixture {
     XpbdParameters parameters;
 
     explicit Fixture(double gap)
-        : mesh(layers(gap)),
+        : mesh(test::two_layers(gap)),
           topology(build_topology(mesh.triangle)),
           contact(mesh, topology, options, pressure),
           system{XpbdConstraints(mesh, topology, {}, BendingOptions{}), {}, Positions::Zero(mesh.vertex_count(), 3)} {
@@ -141,7 +123,7 @@ TEST(XpbdSelfContact, AStepDoesNotDependOnStepsBefore) {
 /// The drape of two layers on a table.
 DrapeResult stacked(const std::string& solver) {
     DrapeScene scene;
-    scene.mesh = layers(0.0025, 4);
+    scene.mesh = test::two_layers(0.0025, 4);
     scene.mesh.rest_position.col(1).array() += 0.0019;
     scene.bending = BendingOptions{};
     scene.contact = ContactOptions{};
