@@ -13,6 +13,14 @@
 
 #include "cloth/error.h"
 
+#if defined(__SANITIZE_ADDRESS__)  // g++
+#define TOILE_ADDRESS_SANITIZER
+#elif defined(__has_feature)  // clang
+#if __has_feature(address_sanitizer)
+#define TOILE_ADDRESS_SANITIZER
+#endif
+#endif
+
 namespace toile::files {
 namespace {
 
@@ -22,7 +30,7 @@ void limit_child(int cpu_seconds) {
     ::setrlimit(RLIMIT_CORE, &no_core);
     const rlimit time{static_cast<rlim_t>(cpu_seconds), static_cast<rlim_t>(cpu_seconds)};
     ::setrlimit(RLIMIT_CPU, &time);
-#ifndef __SANITIZE_ADDRESS__  // whose shadow takes terabytes of addresses
+#ifndef TOILE_ADDRESS_SANITIZER  // whose shadow takes terabytes of addresses
     const rlimit memory{rlim_t{4} << 30, rlim_t{4} << 30};
     ::setrlimit(RLIMIT_AS, &memory);
 #endif
