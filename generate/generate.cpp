@@ -63,41 +63,33 @@ files::SampleRecord drape_record(const Run& run, int index, std::unique_ptr<file
     return sample_record(std::move(sample), run.split[index]);
 }
 
-/// Error of reading an image back, over the accepted samples.
-void add_image(const pattern::PatternImage& image, files::SampleRecord& record, pattern::ResamplingError& error) {
+/// The image, and the error of reading it back.
+void add_image(const pattern::PatternImage& image, files::SampleRecord& record) {
     record.image = image.image(record.displacement);
-    if (record.status == 0) error.add(record.displacement, image.read(record.image));
+    pattern::ResamplingError error;
+    error.add(record.displacement, image.read(record.image));
+    record.resampling_error = {error.largest, error.root_mean_square()};
 }
 
-std::optional<std::array<double, 2>> image_error(const pattern::PatternImage* image,
-                                                 const std::vector<pattern::ResamplingError>& part,
-                                                 GenerateSummary& summary) {
-    if (!image) return std::nullopt;
-    pattern::ResamplingError sum;
-    for (const pattern::ResamplingError& one : part) {  // in index order: the sum does not depend on the threads
-        sum.largest = std::max(sum.largest, one.largest);
-        sum.squared_sum += one.squared_sum;
-        sum.count += one.count;
-    }
-    summary.image_width = summary.image_height = image->layout().size;
-    summary.image_channels = image->channels();
-    summary.image_error_max = sum.largest;
-    summary.image_error_rms = sum.count > 0 ? sum.root_mean_square() : 0.0;
-    return std::array<double, 2>{summary.image_error_max, summary.image_error_rms};
+void note_images(const pattern::PatternImage& image, const std::string& dataset, GenerateSummary& summary) {
+    const files::DatasetReader reader(dataset);
+    summary.image_width = summary.image_height = image.layout().size;
+    summary.image_channels = image.channels();
+    summary.image_error_max = (*reader.header().resampling_error)[0];
+    summary.image_error_rms = (*reader.header().resampling_error)[1];
 }
 
 /// Drapes and rasterises in one go: without images, or where their size is given.
 void write_at_once(const Run& run, const std::string& path, const pattern::PatternImage* image) {
     const int compression = run.dressed.scene.config.output.compression;
     files::DatasetWriter writer(path, dataset_header(run.dressed, image), run.count(), compression);
-    std::vector<pattern::ResamplingError> error(static_cast<size_t>(run.count()));
     std::vector<std::unique_ptr<files::ReplayRecord>> replay(static_cast<size_t>(run.count()));
     report(run, "draping", 0);
     make_in_order(
         run.count(), run.options.jobs,
         [&](int index) {
             files::SampleRecord record = drape_record(run, index, replay[index]);
-            if (image) add_image(*image, record, error[index]);
+            if (image) add_image(*image, record);
             return record;
         },
         [&](int index, files::SampleRecord record) {
@@ -107,7 +99,8 @@ void write_at_once(const Run& run, const std::string& path, const pattern::Patte
             report(run, "draping", index + 1);
         },
         run.options.interrupted);
-    writer.finish(image_error(image, error, run.summary));
+    writer.finish();
+    if (image) note_images(*image, path, run.summary);
 }
 
 /// Drapes into a file without images, finds the image size that serves them all, and rasterises from there: any number
@@ -120,12 +113,11 @@ void write_in_two_passes(const Run& run, const std::string& path, const std::str
     const pattern::ImageOptions sized = fitting_image(run.dressed, drapes, run.summary.remarks);
     const pattern::PatternImage image(run.dressed.mesh, run.dressed.scene.garment.triangle_panel, sized);
     files::DatasetWriter writer(path, dataset_header(run.dressed, &image), run.count(), config.output.compression);
-    std::vector<pattern::ResamplingError> error(static_cast<size_t>(run.count()));
     make_in_order(
         run.count(), run.options.jobs,
         [&](int index) {
             files::SampleRecord record = drapes.read(index);
-            add_image(image, record, error[index]);
+            add_image(image, record);
             return record;
         },
         [&](int index, files::SampleRecord record) {
@@ -133,7 +125,8 @@ void write_in_two_passes(const Run& run, const std::string& path, const std::str
             report(run, "rasterising", index + 1);
         },
         run.options.interrupted);
-    writer.finish(image_error(&image, error, run.summary));
+    writer.finish();
+    note_images(image, path, run.summary);
 }
 
 void check_complete(const SceneConfig& config) {
