@@ -1,21 +1,16 @@
 #include <hdf5.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <functional>
-#include <numeric>
 #include <type_traits>
 
 #include "cloth/error.h"
+#include "files/hdf5_claim.h"
 #include "files/hdf5_file.h"
 #include "files/hdf5_handle.h"
 
 namespace toile::files {
 namespace {
-
-int64_t element_count(const Shape& shape) {
-    return std::accumulate(shape.begin(), shape.end(), int64_t{1}, std::multiplies<>());
-}
 
 std::vector<hsize_t> sizes(const Shape& shape) {
     return {shape.begin(), shape.end()};
@@ -51,13 +46,6 @@ void make_groups(hid_t file, const std::string& name) {
     }
 }
 
-/// Refuses to allocate what a damaged header asks for.
-void check_memory(int64_t count, size_t width) {
-    const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-    if (count < 0 || static_cast<double>(count) * static_cast<double>(width) > memory)
-        throw Error("it claims to hold " + std::to_string(count) + " values, more than the memory can");
-}
-
 template <typename T>
 void check_kind(const std::string& stored) {
     const bool fits = std::is_floating_point_v<T> ? stored.rfind("float", 0) == 0
@@ -72,7 +60,7 @@ template <typename T>
 std::vector<T> read_selected(hid_t dataset, hid_t memory, hid_t space, int64_t count) {
     const Handle type(H5Dget_type(dataset), H5Tclose);
     check_kind<T>(type_text(type));
-    check_memory(count, sizeof(T));
+    check_claim(dataset, count, sizeof(T));
     std::vector<T> value(static_cast<size_t>(count));
     if (count == 0) return value;
     if constexpr (!std::is_floating_point_v<T>) {
@@ -187,6 +175,9 @@ std::vector<std::string> Hdf5File::read_strings(const std::string& name) const {
         const Handle space(H5Dget_space(dataset), H5Sclose);
         const Handle type(H5Dget_type(dataset), H5Tclose);
         if (H5Tget_class(type) != H5T_STRING) throw Error("holds " + type_text(type) + " where strings are expected");
+        const int64_t count = element_count(impl_->shape(space));
+        check_claim(dataset, count, H5Tget_size(type));
+        if (H5Tis_variable_str(type) > 0) check_stored_claim(dataset, count, H5Tget_size(type));
         return strings_of(type, space, [&](hid_t memory, void* buffer) {
             return H5Dread(dataset, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, buffer);
         });

@@ -1,4 +1,5 @@
 #include "files/dataset_file.h"
+#include "files/plan_file.h"
 #include "files/replay_file.h"
 #include "files/table_file.h"
 #include "generate/validate.h"
@@ -17,5 +18,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     fuzz::may_refuse([&] { generate::validate_noise(path, {}); });
     fuzz::may_refuse([&] { files::read_replay(path); });
     fuzz::may_refuse([&] { files::read_table(path); });
+    fuzz::may_refuse([&] { files::read_plan(path); });
     return 0;
 }

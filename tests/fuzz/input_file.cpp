@@ -36,12 +36,13 @@ const std::string& InputFile::write(const uint8_t* data, size_t size) const {
     return path_;
 }
 
-void may_refuse(const std::function<void()>& read) {
+void may_refuse(const std::function<void()>& read, Place place) {
     try {
         read();
     } catch (const Error& error) {
         const std::string what = error.what();
-        if (what.empty() || error.where().empty()) give_up("refused without saying what or where: " + what);
+        if (what.empty() || (place == Place::known && error.where().empty()))
+            give_up("refused without saying what or where: " + what);
         if (what.size() > 4000) give_up("a message of " + std::to_string(what.size()) + " bytes");
     }
 }

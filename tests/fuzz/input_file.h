@@ -23,8 +23,11 @@ class InputFile {
     std::string folder_, path_;
 };
 
-/// Runs `read`, which may refuse its input: with an Error that has one line of text and says where. Anything else it
-/// throws ends the program, which the fuzzer reports as a crash.
-void may_refuse(const std::function<void()>& read);
+/// Whether who reads knows the name of what it reads.
+enum class Place { known, unknown };
+
+/// Runs `read`, which may refuse its input: with an Error that says what is wrong, and where if it can know. Anything
+/// else it throws ends the program, which the fuzzer reports as a crash.
+void may_refuse(const std::function<void()>& read, Place place = Place::known);
 
 }  // namespace toile::fuzz
