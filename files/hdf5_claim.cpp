@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <limits>
 #include <string>
 #include <vector>
@@ -64,6 +65,21 @@ int64_t extent_elements(hid_t dataset) {
     return element_count(Shape(size.begin(), size.begin() + std::max(rank, 0)));
 }
 
+void check_sources(hid_t creation, const std::string& path) {
+    namespace fs = std::filesystem;
+    size_t count = 0;
+    H5Pget_virtual_count(creation, &count);
+    for (size_t i = 0; i < count; ++i) {
+        std::string name(4096, '\0');
+        const ssize_t size = H5Pget_virtual_filename(creation, i, name.data(), name.size());
+        name.resize(static_cast<size_t>(std::clamp<ssize_t>(size, 0, 4095)));
+        std::error_code failure;
+        const fs::path beside = fs::path(path).parent_path() / name;
+        if (name == "." || fs::equivalent(name, path, failure) || fs::equivalent(beside, path, failure))
+            throw Error("it is made up of datasets of its own file, which is not read");
+    }
+}
+
 }  // namespace
 
 int64_t element_count(const Shape& shape) {
@@ -77,22 +93,24 @@ int64_t element_count(const Shape& shape) {
     return count;
 }
 
-void check_claim(hid_t dataset, int64_t selected, size_t width) {
+bool check_claim(hid_t dataset, const std::string& path) {
     const Handle creation(H5Dget_create_plist(dataset), H5Pclose);
     const Handle type(H5Dget_type(dataset), H5Tclose);
-    width = std::max(width, H5Tget_size(type));
-    if (H5Pget_external_count(creation) > 0) throw Error("its values lie in another file, which is not read");
-    check_filters(creation);
     const H5D_layout_t layout = H5Pget_layout(creation);
     if (layout == H5D_VIRTUAL) {
-        check_size(selected, width, virtual_selection);
-        return;
+        check_sources(creation, path);
+        return true;
     }
-    const int64_t file = file_size(dataset);
-    const int64_t room = never_written + file * (layout == H5D_CHUNKED ? gzip_ratio : 1);
+    if (H5Pget_external_count(creation) > 0) throw Error("its values lie in another file, which is not read");
+    check_filters(creation);
+    const int64_t room = never_written + file_size(dataset) * (layout == H5D_CHUNKED ? gzip_ratio : 1);
     check_size(extent_elements(dataset), H5Tget_size(type), room);
-    check_size(selected, width, 8 * room);  // in memory a value may be wider than on the disk
     if (layout == H5D_CHUNKED) check_size(chunk_elements(creation), H5Tget_size(type), room);
+    return false;
+}
+
+void check_virtual_selection(int64_t count, size_t width) {
+    check_size(count, width, virtual_selection);
 }
 
 void check_stored_claim(hid_t object, int64_t count, size_t width) {

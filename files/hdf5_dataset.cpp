@@ -60,7 +60,6 @@ template <typename T>
 std::vector<T> read_selected(hid_t dataset, hid_t memory, hid_t space, int64_t count) {
     const Handle type(H5Dget_type(dataset), H5Tclose);
     check_kind<T>(type_text(type));
-    check_claim(dataset, count, sizeof(T));
     std::vector<T> value(static_cast<size_t>(count));
     if (count == 0) return value;
     if constexpr (!std::is_floating_point_v<T>) {
@@ -139,6 +138,7 @@ Array<T> Hdf5File::read(const std::string& name) const {
         const Handle dataset = impl_->dataset(name);
         const Handle space(H5Dget_space(dataset), H5Sclose);
         Shape shape = impl_->shape(space);
+        impl_->check_claims(dataset, name, element_count(shape), sizeof(T));
         return Array<T>{read_selected<T>(dataset, H5S_ALL, H5S_ALL, element_count(shape)), std::move(shape)};
     });
 }
@@ -159,10 +159,11 @@ Array<T> Hdf5File::read_rows(const std::string& name, int64_t first, int64_t cou
         const Handle dataset = impl_->dataset(name);
         const Handle space(H5Dget_space(dataset), H5Sclose);
         Shape shape = impl_->shape(space);
-        if (shape.empty() || first < 0 || count < 0 || first + count > shape[0])
+        if (shape.empty() || first < 0 || count < 0 || first > shape[0] - count)
             throw Error("has no rows " + std::to_string(first) + " to " + std::to_string(first + count - 1));
         select_rows(space, shape, first, count);
         shape[0] = count;
+        impl_->check_claims(dataset, name, element_count(shape), sizeof(T));
         const Handle memory = dataspace(shape);
         return Array<T>{read_selected<T>(dataset, memory, space, element_count(shape)), std::move(shape)};
     });
@@ -176,7 +177,7 @@ std::vector<std::string> Hdf5File::read_strings(const std::string& name) const {
         const Handle type(H5Dget_type(dataset), H5Tclose);
         if (H5Tget_class(type) != H5T_STRING) throw Error("holds " + type_text(type) + " where strings are expected");
         const int64_t count = element_count(impl_->shape(space));
-        check_claim(dataset, count, H5Tget_size(type));
+        impl_->check_claims(dataset, name, count, H5Tget_size(type));
         if (H5Tis_variable_str(type) > 0) check_stored_claim(dataset, count, H5Tget_size(type));
         return strings_of(type, space, [&](hid_t memory, void* buffer) {
             return H5Dread(dataset, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, buffer);

@@ -3,6 +3,7 @@
 #include <hdf5.h>
 
 #include <functional>
+#include <map>
 #include <mutex>
 #include <string>
 #include <utility>
@@ -56,12 +57,15 @@ struct Hdf5File::Impl {
     int write_error = 0;  ///< set by the watched driver
     Handle file;
     bool writable = false;
+    mutable std::map<std::string, bool> checked;  ///< datasets whose claims were looked into; true: virtual
 
     std::string where(const std::string& name) const { return path + ":" + name; }
     [[noreturn]] void fail(const std::string& what, const std::string& name) const;
     /// Error if a write did not reach the disk.
     void check_written() const;
     Handle dataset(const std::string& name) const;
+    /// Throws Error, without a place, where the dataset claims too much for `count` values of `width` bytes to be read.
+    void check_claims(hid_t dataset, const std::string& name, int64_t count, size_t width) const;
     /// The group or dataset that carries attributes.
     Handle object(const std::string& name) const;
     Shape shape(hid_t space) const;
