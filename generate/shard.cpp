@@ -241,7 +241,7 @@ void Shard::check_owner(const files::DatasetReader& reader) const {
 void Shard::seal(int part) {
     const OpenPart& opened = open_.at(part);
     const SlotRange range = part_slots(part);
-    files::DatasetPart place;
+    files::CorpusPart place;
     place.shard = number_.index;
     place.shards = number_.count;
     place.first_slot = range.first;
