@@ -55,7 +55,7 @@ bool FileLock::is_held(const std::string& path) {
 }
 
 FileLock::~FileLock() {
-    forget();
+    if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 FileLock::FileLock(FileLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
@@ -63,10 +63,6 @@ FileLock::FileLock(FileLock&& other) noexcept : descriptor_(std::exchange(other.
 FileLock& FileLock::operator=(FileLock&& other) noexcept {
     std::swap(descriptor_, other.descriptor_);
     return *this;
-}
-
-void FileLock::forget() {
-    if (descriptor_ >= 0) ::close(std::exchange(descriptor_, -1));
 }
 
 }  // namespace toile::files

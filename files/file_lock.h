@@ -21,8 +21,8 @@ class FileLock {
     FileLock(FileLock&& other) noexcept;
     FileLock& operator=(FileLock&& other) noexcept;
 
-    /// In a child process: lets go of the child's share, so that the lock does not outlive its owner.
-    void forget();
+    /// What a child process must close, so that the lock does not outlive its owner.
+    int descriptor() const { return descriptor_; }
 
   private:
     explicit FileLock(int descriptor) : descriptor_(descriptor) {}

@@ -20,7 +20,7 @@ void write_plan(const std::string& path, const CorpusPlan& plan) {
     Hdf5File file = Hdf5File::edit(target.partial());
     file.write("/plan/pose_number", plan.pose_number, {samples}, Storage{deflate, {}});
     file.write("/plan/split", plan.split, {samples}, Storage{deflate, {}});
-    file.set_attribute("/plan", "remarks", plan.remarks);
+    if (!plan.remarks.empty()) file.set_attribute("/plan", "remarks", plan.remarks);  // HDF5 knows no empty list
     file.close();
     target.commit();
 }
@@ -32,7 +32,7 @@ CorpusPlan read_plan(const std::string& path) {
     plan.pose_number = file.read<int64_t>("/plan/pose_number", {any_size}).value;
     const auto samples = static_cast<int64_t>(plan.pose_number.size());
     plan.split = file.read<int>("/plan/split", {samples}).value;
-    plan.remarks = file.strings_attribute("/plan", "remarks");
+    if (file.has_attribute("/plan", "remarks")) plan.remarks = file.strings_attribute("/plan", "remarks");
     for (const int split : plan.split)
         if (split < 0 || split > 2) throw Error("the plan has a split " + std::to_string(split), path);
     return plan;

@@ -58,8 +58,11 @@ void transfer(Archive& archive, Record& sample, Stored& stored) {
 
 std::string sample_bytes(const SampleRecord& sample) {
     SampleRecord record = sample;
-    Stored stored{values<double>(sample.pose), values<float>(sample.cloth), values<float>(sample.embedded),
-                  values<float>(sample.displacement), {}};
+    Stored stored{values<double>(sample.pose),
+                  values<float>(sample.cloth),
+                  values<float>(sample.embedded),
+                  values<float>(sample.displacement),
+                  {}};
     for (const Eigen::Quaterniond& q : sample.frame)
         for (const double x : {q.w(), q.x(), q.y(), q.z()}) stored.frame.push_back(static_cast<float>(x));
     std::ostringstream stream;

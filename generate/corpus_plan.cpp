@@ -30,13 +30,14 @@ void check_owner(const files::CorpusPlan& plan, const SceneConfig& config, const
         throw Error("this folder's data are of another configuration, or a file that it names has changed", path,
                     "go on with the folder's own config.toml, or choose another --out");
     if (plan.header.program_version != TOILE_VERSION)
-        throw Error("this folder's data were begun by toile " + plan.header.program_version + ", this is " +
-                        TOILE_VERSION,
-                    path, "finish with that version, or choose another --out");
+        throw Error(
+            "this folder's data were begun by toile " + plan.header.program_version + ", this is " + TOILE_VERSION,
+            path, "finish with that version, or choose another --out");
 }
 
-WorkerPoolOptions pool(const PlanOptions& options, int workers) {
+WorkerPoolOptions pool(const PlanOptions& options, int workers, const files::FileLock& lock) {
     WorkerPoolOptions pool;
+    pool.parents_descriptor = {lock.descriptor()};
     pool.workers = workers;
     pool.memory_limit = options.memory_limit;
     pool.interrupted = options.interrupted;
@@ -44,10 +45,11 @@ WorkerPoolOptions pool(const PlanOptions& options, int workers) {
 }
 
 /// Runs one piece of work in a child process, so that this one starts no threads and keeps little memory.
-void in_a_child(const std::string& what, const PlanOptions& options, const std::function<void()>& work) {
+void in_a_child(const std::string& what, const PlanOptions& options, const files::FileLock& lock,
+                const std::function<void()>& work) {
     if (options.progress) options.progress({what, 0, 0, 0});
     run_in_workers(
-        {0}, pool(options, 1),
+        {0}, pool(options, 1, lock),
         [&] {
             return [&](int) {
                 work();
@@ -70,8 +72,8 @@ void write_dressed(const SceneConfig& config, const std::string& path) {
     const bool sized = config.image && config.image->size > 0;
     std::unique_ptr<pattern::PatternImage> image;
     if (sized)
-        image = std::make_unique<pattern::PatternImage>(dressed.mesh, dressed.scene.garment.triangle_panel,
-                                                        *config.image);
+        image =
+            std::make_unique<pattern::PatternImage>(dressed.mesh, dressed.scene.garment.triangle_panel, *config.image);
     plan.header = dataset_header(dressed, image.get());
     files::write_plan(path, plan);
 }
@@ -96,7 +98,7 @@ void write_sized(const SceneConfig& config, const std::string& folder, files::Co
 
 /// Drapes the poses of the probe that are not there yet.
 void drape_probe(const SceneConfig& config, const std::string& folder, const files::CorpusPlan& plan,
-                 const PlanOptions& options) {
+                 const PlanOptions& options, const files::FileLock& lock) {
     std::vector<int> missing;
     const std::map<int, std::string> there = probed_samples(folder, plan);
     for (const int slot : probe_slots(plan.sample_count(), config.image->probe))
@@ -110,7 +112,7 @@ void drape_probe(const SceneConfig& config, const std::string& folder, const fil
     };
     report();
     run_in_workers(
-        missing, pool(options, options.jobs),
+        missing, pool(options, options.jobs, lock),
         [&] {
             const auto maker = std::make_shared<SampleMaker>(config, plan, folder);
             return [maker](int slot) { return files::sample_bytes(maker->make(slot)); };
@@ -163,12 +165,12 @@ files::CorpusPlan corpus_plan(const SceneConfig& config, const std::string& fold
     if (fs::exists(path)) return usable_plan(config, path);
     const bool probed = config.image && config.image->size == 0;
     if (!probed || !fs::exists(draft))
-        in_a_child("dressing the body in its neutral pose", options,
+        in_a_child("dressing the body in its neutral pose", options, lock,
                    [&] { write_dressed(config, probed ? draft : path); });
     if (probed) {
         const files::CorpusPlan dressed = usable_plan(config, draft);
-        drape_probe(config, folder, dressed, options);
-        in_a_child("choosing the size of the images", options, [&] { write_sized(config, folder, dressed); });
+        drape_probe(config, folder, dressed, options, lock);
+        in_a_child("choosing the size of the images", options, lock, [&] { write_sized(config, folder, dressed); });
         fs::remove(draft);
     }
     return usable_plan(config, path);

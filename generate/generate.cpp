@@ -51,8 +51,7 @@ std::vector<ShardNumber> shards_to_fill(const GenerateOptions& options) {
         return {*options.shard};
     }
     if (there.empty()) return {{0, 1}};
-    if (!options.resume)
-        throw Error("this folder holds unfinished work", options.folder, "--resume goes on with it");
+    if (!options.resume) throw Error("this folder holds unfinished work", options.folder, "--resume goes on with it");
     if (there.front().count != there.back().count)
         throw Error("this folder holds shards of " + std::to_string(there.front().count) + " and of " +
                         std::to_string(there.back().count),

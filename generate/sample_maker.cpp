@@ -62,8 +62,7 @@ files::SampleRecord SampleMaker::lost(int slot, simulate::DrapeStatus status) co
     files::SampleRecord record = sample_record(std::move(sample), plan_.split[slot]);
     if (plan_.header.image) {
         const files::DatasetImage& image = *plan_.header.image;
-        record.image.assign(static_cast<size_t>(3) * image.layers * image.size * image.size,
-                            static_cast<float>(nan));
+        record.image.assign(static_cast<size_t>(3) * image.layers * image.size * image.size, static_cast<float>(nan));
         record.resampling_error = {nan, nan};
     }
     return record;

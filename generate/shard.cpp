@@ -129,7 +129,8 @@ void Shard::recover(int part) {
     if (fs::exists(journal_path(part))) recover_journal(part);
 }
 
-/// True where the part is as it should be. Else what is sound of it goes back into the journal, and the part is removed.
+/// True where the part is as it should be. Else what is sound of it goes back into the journal, and the part is
+/// removed.
 bool Shard::recover_sealed(int part) {
     const std::string path = part_path(part);
     const SlotRange range = part_slots(part);
@@ -227,7 +228,8 @@ void Shard::adopt(const std::string& dataset) {
     for (int row = 0; row < reader->sample_count(); ++row) {
         const auto slot = slot_of.find(id[row]);
         if (slot == slot_of.end() || there_[slot->second - slots_.first]) continue;
-        if (const auto sample = sound_sample(*reader, row, slot->second)) add(slot->second, files::sample_bytes(*sample));
+        if (const auto sample = sound_sample(*reader, row, slot->second))
+            add(slot->second, files::sample_bytes(*sample));
     }
 }
 

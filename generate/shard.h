@@ -61,9 +61,9 @@ class Shard {
     ShardNumber number() const { return number_; }
     SlotRange slots() const { return slots_; }
     const std::string& folder() const { return folder_; }
-    const SampleTally& tally() const { return tally_; }            ///< of all samples that are there
+    const SampleTally& tally() const { return tally_; }                   ///< of all samples that are there
     const std::vector<std::string>& remarks() const { return remarks_; }  ///< damage that was found, one sentence each
-    void forget_lock() { lock_.forget(); }                         ///< in a child process, see files::FileLock
+    int lock_descriptor() const { return lock_.descriptor(); }            ///< to be closed in child processes
 
   private:
     struct OpenPart {
@@ -91,7 +91,7 @@ class Shard {
     const SlotRange slots_;
     const std::string corpus_folder_, folder_;
     files::FileLock lock_;
-    std::vector<char> there_;      ///< by slot - slots_.first
+    std::vector<char> there_;       ///< by slot - slots_.first
     std::map<int, OpenPart> open_;  ///< parts with samples that are not sealed
     SampleTally tally_;
     std::vector<std::string> remarks_;

@@ -9,11 +9,11 @@ namespace toile::generate {
 /// What a worker says of its shard every few seconds: DIR/shard_00003_of_00016/progress.json.
 struct ShardProgress {
     int shard = 0, shards = 1;
-    std::int64_t samples = 0;              ///< in the shard
-    std::int64_t done = 0, accepted = 0;   ///< in all, by whichever process
+    std::int64_t samples = 0;                    ///< in the shard
+    std::int64_t done = 0, accepted = 0;         ///< in all, by whichever process
     std::map<std::string, std::int64_t> failed;  ///< reason -> samples
-    std::int64_t made_here = 0;            ///< by the process that wrote this
-    double seconds_here = 0;               ///< since it began [s], by a clock that nobody can set
+    std::int64_t made_here = 0;                  ///< by the process that wrote this
+    double seconds_here = 0;                     ///< since it began [s], by a clock that nobody can set
     std::int64_t pid = 0;
     std::string host;
     std::string state = "running";  ///< running, finished, stopped

@@ -52,9 +52,9 @@ class Heartbeat {
         progress.pid = ::getpid();
         progress.host = host_;
         progress.state = state;
-        progress.updated = std::chrono::duration_cast<std::chrono::seconds>(
-                               std::chrono::system_clock::now().time_since_epoch())
-                               .count();
+        progress.updated =
+            std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch())
+                .count();
         write_shard_progress((std::filesystem::path(shard_.folder()) / "progress.json").string(), progress);
     }
 
@@ -93,6 +93,7 @@ struct Filling {
         pool.workers = workers;
         pool.memory_limit = options.memory_limit;
         pool.interrupted = options.interrupted;
+        pool.parents_descriptor = {shard.lock_descriptor()};
         return pool;
     }
 
@@ -105,10 +106,8 @@ struct Filling {
 
 /// In a worker: samples that planning has draped already are only rasterised.
 MakeBytes start_maker(Filling& filling) {
-    filling.shard.forget_lock();
     const auto maker = std::make_shared<SampleMaker>(filling.config, filling.plan, filling.folder);
-    const auto probed =
-        std::make_shared<std::map<int, std::string>>(probed_samples(filling.folder, filling.plan));
+    const auto probed = std::make_shared<std::map<int, std::string>>(probed_samples(filling.folder, filling.plan));
     return [maker, probed](int slot) {
         const auto found = probed->find(slot);
         if (found == probed->end()) return files::sample_bytes(maker->make(slot));
@@ -145,7 +144,6 @@ void store_lost(Filling& filling) {
     run_in_workers(
         slot, unlimited,
         [&]() -> MakeBytes {
-            filling.shard.forget_lock();
             const auto maker = std::make_shared<SampleMaker>(filling.config, filling.plan, filling.folder);
             return [maker, &status](int one) { return files::sample_bytes(maker->lost(one, status.at(one))); };
         },
