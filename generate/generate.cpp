@@ -119,6 +119,13 @@ void join(const Run& run, const std::vector<ShardNumber>& shards) {
     remove_plan(run.options.folder);
 }
 
+std::uint64_t bytes_on_disk(const std::string& dataset) {
+    if (!fs::is_directory(dataset)) return fs::file_size(dataset);
+    std::uint64_t bytes = 0;
+    for (const fs::directory_entry& entry : fs::directory_iterator(dataset)) bytes += entry.file_size();
+    return bytes;
+}
+
 void summarise(const Run& run, const files::CorpusPlan& plan) {
     const SampleTally& tally = run.tally;
     GenerateSummary& summary = run.summary;
@@ -134,6 +141,7 @@ void summarise(const Run& run, const files::CorpusPlan& plan) {
     summary.worst_penetration = tally.worst_penetration;
     summary.worst_stretch = tally.worst_stretch;
     summary.worst_residual = tally.worst_residual;
+    summary.bytes = bytes_on_disk(summary.dataset);
     if (!plan.header.image) return;
     summary.image_width = summary.image_height = plan.header.image->size;
     summary.image_channels = 3 * plan.header.image->layers;
