@@ -9,7 +9,7 @@
 namespace toile::skin {
 namespace {
 
-constexpr int grid_size = 4;    // coordinates that make up a cell: each doubles the cells that are searched
+constexpr int grid_size = 6;    // coordinates that make up a cell
 constexpr int sieve_size = 12;  // coordinates compared before poses are
 constexpr int reference_count = 3;
 constexpr int trial_count = 128;  // poses that tell which coordinates vary most
@@ -98,7 +98,7 @@ struct PoseGroups::Impl {
     }
 
     std::int64_t index(double coordinate) const {
-        return static_cast<std::int64_t>(std::floor(coordinate / (2 * std::max(angle, 1e-6))));
+        return static_cast<std::int64_t>(std::floor(coordinate / (4 * std::max(angle, 1e-6))));
     }
     /// Cells that share a bucket are only searched needlessly.
     std::size_t bucket_of(const Cell& cell) const {

@@ -12,9 +12,9 @@ namespace toile::skin {
 /// Groups poses in their order, each by the poses before it alone: a pose joins the group of the first of those that
 /// are nearer than `angle` in every joint, else it founds the next group. For a sequence that may grow.
 ///
-/// Poses within angle/2 of an earlier one are not compared with later poses, so that a dense sequence costs no more
-/// than a sparse one, and a million poses a second or two each hundred thousand. Kept are a few numbers a pose, by
-/// which far poses are told apart; poses that may be near are asked for again.
+/// Poses within angle/2 of an earlier one are not compared with later poses, so that a dense sequence costs
+/// no more than a sparse one. Kept are a few numbers a pose (92 MB for a million), by which far poses are told apart;
+/// poses that may be near are asked for again.
 class PoseGroups {
   public:
     using Source = std::function<Pose(std::int64_t)>;
