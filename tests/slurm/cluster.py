@@ -152,7 +152,7 @@ def in_guarded_folder(work):
         die_with_parent(signal.SIGTERM)
         if os.getppid() != guard:
             os._exit(1)
-        signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+        signal.signal(signal.SIGTERM, interrupt)
         status = 1
         try:
             status = work(folder)
@@ -172,6 +172,11 @@ def in_guarded_folder(work):
         end_descendants(guard)
         shutil.rmtree(folder, ignore_errors=True)
     return status
+
+
+def interrupt(*_):
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # once is enough: what follows is tidying up
+    raise KeyboardInterrupt
 
 
 def die_with_parent(number=signal.SIGKILL):
@@ -279,3 +284,15 @@ class Cluster:
     def processes(self, *words):
         """Processes of ours whose command line holds all the words."""
         return [one for one in children(os.getpid()) if all(word in command_line(one) for word in words)]
+
+    def release_requeued_until_end(self, jobs, seconds=300):
+        """Waits until all have ended; a requeued task would wait until its old credential expires, and is let go at once."""
+
+        def ended():
+            for job in jobs:
+                fields = self.job(job)
+                if fields.get("JobState") == "PENDING" and fields.get("Reason") == "BeginTime":
+                    self.run("scontrol", "update", f"JobId={job}", "StartTime=now", expected=None)
+            return all(self.state(job) not in ("PENDING", "RUNNING", "COMPLETING", "CONFIGURING") for job in jobs)
+
+        wait_until(f"end of {jobs}", ended, seconds)

@@ -63,26 +63,28 @@ class CorpusUnderSlurm(unittest.TestCase):
         found = [one for one in found if "slurm_script" not in cluster.command_line(one)]
         return min(found, key=lambda one: len(ancestors(one)), default=0)
 
-    def at_work(self, shard):
-        """Waits until a shard has a sample and lacks one; answers its main process."""
-        journal = f"{self.folder}/shard_{shard:05d}_of_{SHARDS:05d}/journal_*"
+    def halt_at_work(self, shard):
+        """Waits until a shard has a sample and lacks one, and brings its main process, whose id it answers, to a halt: what
+        then befalls it befalls it in mid-work. Slurm wakes what it ends."""
+        part = f"{self.folder}/shard_{shard:05d}_of_{SHARDS:05d}"
 
         def in_the_middle():
-            return any(os.path.getsize(path) > 64 for path in glob.glob(journal)) and self.main_process(shard)
+            process = self.main_process(shard)
+            if not process or not any(size_of(journal) > 4096 for journal in glob.glob(f"{part}/journal_*")):
+                return 0
+            kill(process, signal.SIGSTOP)
+            self.assertFalse(glob.glob(f"{part}/part_*"), f"shard {shard} is finished: it is too quick for this test")
+            return process
 
         return wait_until(f"shard {shard} at work, its log:\n{self.shard_log(shard)}", in_the_middle)
 
+    def start_and_halt(self, array, shard):
+        """The same for a task that was submitted on hold."""
+        self.slurm.run("scontrol", "release", f"{array}_{shard}")
+        return self.halt_at_work(shard)
+
     def wait_for_end(self, jobs, state="COMPLETED", seconds=300):
-        """Requeued tasks wait for their old credential to expire; the test does not."""
-
-        def ended():
-            for job in jobs:
-                fields = self.slurm.job(job)
-                if fields.get("JobState") == "PENDING" and fields.get("Reason") == "BeginTime":
-                    self.slurm.run("scontrol", "update", f"JobId={job}", "StartTime=now", expected=None)
-            return all(self.slurm.state(job) not in ("PENDING", "RUNNING", "COMPLETING", "CONFIGURING") for job in jobs)
-
-        wait_until(f"end of {jobs}", ended, seconds)
+        self.slurm.release_requeued_until_end(jobs, seconds)
         for job in jobs:
             if self.slurm.state(job) != state:
                 self.fail(f"job {job} is {self.slurm.state(job)}, not {state}\n{self.all_logs()}")
@@ -116,24 +118,28 @@ class CorpusUnderSlurm(unittest.TestCase):
                 self.assertTrue(same, f"{name} differs from the single run's")
 
     def test_faults(self):
-        array, merge = self.submit()
-
-        victim = self.at_work(0)                                    # a worker dies
-        kill(wait_until("a worker of shard 0", lambda: cluster.children(victim))[0])
-        kill(self.at_work(1))                                       # all of a task's toile dies
-        self.at_work(2)
+        array, merge = self.submit("--hold")
+        process = self.start_and_halt(array, 0)  # a worker dies
+        kill(cluster.children(process)[0])
+        kill(process, signal.SIGCONT)
+        kill(self.start_and_halt(array, 1))  # all of a task's toile dies
+        self.start_and_halt(array, 2)
         self.slurm.run("scontrol", "requeue", f"{array}_2")
         for shard in (1, 2):  # an order to end a task that the daemon did not get would reach the task's next start
             self.slurm.wait_for_state(f"{array}_{shard}", "PENDING", "RUNNING")
-        self.at_work(3)                                             # a node daemon dies and comes back
+        process = self.start_and_halt(array, 3)  # a node's daemon dies and comes back
         self.slurm.kill_node_daemon()
         self.slurm.start_node()
-        self.at_work(4)                                             # what Slurm does before the time limit
+        kill(process, signal.SIGCONT)
+        process = self.start_and_halt(array, 4)  # what Slurm does when the time limit is near
         self.slurm.run("scancel", "--batch", "--signal=USR1", f"{array}_4")
-        self.at_work(5)                                             # the node loses its power
+        wait_until("the script's signal", lambda: pending(process, signal.SIGTERM))
+        kill(process, signal.SIGCONT)
+        self.start_and_halt(array, 5)  # the node loses its power
         self.slurm.kill_node()
         self.slurm.wait_for_node("down")
         self.slurm.start_node()
+        self.slurm.run("scontrol", "release", merge)
 
         self.wait_for_end([f"{array}_{shard}" for shard in range(SHARDS)])
         self.wait_for_end([merge])
@@ -145,13 +151,15 @@ class CorpusUnderSlurm(unittest.TestCase):
         self.expect_single_runs_bytes()
 
     def test_preemption(self):
-        array, merge = self.submit("--partition=low")
-        for shard in (0, 1):  # at a halt, so that they are still there when room is asked for; Slurm wakes what it ends
-            kill(self.at_work(shard), signal.SIGSTOP)
+        array, merge = self.submit("--partition=low", "--hold")
+        self.start_and_halt(array, 0)
+        self.start_and_halt(array, 1)
         urgent = self.slurm.run("sbatch", "--parsable", "--partition=high", "--ntasks=2", "--output=/dev/null",
                                 "--wrap=sleep 1")
         self.slurm.wait_for_state(urgent, "COMPLETED")
         preempted = [shard for shard in range(SHARDS) if int(self.slurm.job(f"{array}_{shard}").get("Restarts", 0)) > 0]
+        for job in (array, merge):
+            self.slurm.run("scontrol", "release", job)
         self.assertTrue(preempted, "no task made room\n" + self.all_logs())
         self.wait_for_end([f"{array}_{shard}" for shard in range(SHARDS)] + [merge])
         self.expect_single_runs_bytes()
@@ -173,7 +181,7 @@ class CorpusUnderSlurm(unittest.TestCase):
 
     def test_cancelled_and_submitted_again(self):
         array, merge = self.submit()
-        self.at_work(0)
+        self.halt_at_work(0)
         self.slurm.run("scancel", array, merge)
         self.wait_for_end([f"{array}_0"], state="CANCELLED")
         self.assertNotIn("back into the queue", self.all_logs())
@@ -189,6 +197,21 @@ class CorpusUnderSlurm(unittest.TestCase):
             self.wait_for_end([f"{job}_2"], state="FAILED")
             self.assertIn(complaint, cluster.text_of(f"{self.slurm.folder}/refused.log"))
         self.assertFalse(os.path.exists(self.folder))
+
+
+def size_of(path):
+    try:
+        return os.path.getsize(path)
+    except OSError:
+        return 0
+
+
+def pending(pid, number):
+    """Whether a signal waits for a process that is at a halt."""
+    for line in cluster.text_of(f"/proc/{pid}/status").splitlines():
+        if line.startswith(("SigPnd", "ShdPnd")) and int(line.split()[1], 16) >> (number - 1) & 1:
+            return True
+    return False
 
 
 def ancestors(pid):
