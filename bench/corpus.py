@@ -7,6 +7,7 @@ Slurm array with faults make the same data set. Prints a table in Markdown.
 FOLDER is filled and left behind. The garment is the small one of bench/corpus.toml; the Slurm array needs root."""
 
 import argparse
+import functools
 import os
 import subprocess
 import sys
@@ -45,8 +46,9 @@ def peak_megabytes(pid):
     return 0.0
 
 
+@functools.cache
 def generate(toile, folder, *options):
-    """Runs it to its end; answers seconds, the parent's and a worker's peak memory."""
+    """Runs it to its end, once; answers seconds, the parent's and a worker's peak memory."""
     start = time.monotonic()
     run = subprocess.Popen([toile, "generate", SCENE, "--out", folder, *options], stderr=subprocess.DEVNULL,
                            stdout=subprocess.DEVNULL)
@@ -91,7 +93,7 @@ def measure_memory(toile, folder, samples):
     row("samples", "parent [MB]", "worker [MB]")
     row("---", "---", "---")
     for count in (100, samples):
-        _, memory = generate(toile, f"{folder}/memory_{count}", "--jobs", "1", "--set", f"poses.count={count}")
+        _, memory = generate(toile, f"{folder}/single_{count}", "--jobs", "1", "--set", f"poses.count={count}")
         row(count, f"{memory.parent:.1f}", f"{memory.worker:.1f}")
 
 
@@ -114,6 +116,7 @@ def make_under_slurm(toile, folder, count):
         slurm.environment["TOILE"] = toile
         said = slurm.run(os.path.join(HERE, "..", "scripts", "slurm", "submit"), scene, folder, str(SHARDS))
         array, joined = (line.split()[1] for line in said.splitlines()[:2])
+        tasks = [f"{array}_{shard}" for shard in range(SHARDS)]
 
         def main_process(shard):
             found = slurm.processes(toile, "generate", folder, f"--shard {shard}/{SHARDS}")
@@ -136,8 +139,8 @@ def make_under_slurm(toile, folder, count):
         slurm.kill_node()
         slurm.wait_for_node("down")
         slurm.start_node()
-        slurm.release_requeued_until_end([f"{array}_{shard}" for shard in range(SHARDS)] + [joined], 3600)
-        restarts = sum(int(slurm.job(f"{array}_{shard}")["Restarts"]) for shard in range(SHARDS))
+        slurm.release_requeued_until_end([*tasks, joined], 3600)
+        restarts = sum(int(slurm.job(task)["Restarts"]) for task in tasks)
         print(f"Slurm: {restarts} restarts of {SHARDS} tasks", file=sys.stderr)
         return 0
 
@@ -150,8 +153,8 @@ def measure_same(toile, folder, samples, with_slurm):
     count = ("--set", f"poses.count={samples}")
     row("made by", "seconds", "samples", "digests")
     row("---", "---", "---", "---")
-    seconds, _ = generate(toile, f"{folder}/single", "--jobs", "1", *count)
-    expected = digests(f"{folder}/single")
+    seconds, _ = generate(toile, f"{folder}/single_{samples}", "--jobs", "1", *count)
+    expected = digests(f"{folder}/single_{samples}")
     row("one process", f"{seconds:.0f}", expected[2], "")
 
     def compare(name, made_by, seconds):
