@@ -58,7 +58,7 @@ tinygltf::Model load_model(const std::string& path) {
     if (!bytes.starts_with("glTF") && bytes.find_first_not_of(" \t\r\n\xef\xbb\xbf") != bytes.find('{'))
         throw Error("the file is no glTF, text or binary", path);
     // Lists nested thousands deep make the parser run out of stack.
-    const std::string complaint = trial_run(path, 10 + 2 * static_cast<int>(bytes.size() >> 20), [&] {
+    const std::string complaint = trial_run(path, 5 + 2 * static_cast<int>(bytes.size() >> 20), [&] {
         tinygltf::Model model;
         return parse(bytes, path, model);
     });
