@@ -37,6 +37,10 @@ std::string folder_of(const std::string& path) {
 
 }  // namespace
 
+void sync_folder_of(const std::string& path) {
+    if (const int error = sync(folder_of(path), O_RDONLY | O_DIRECTORY)) fail(error, path);
+}
+
 void write_text_file(const std::string& path, const std::string& text) {
     NewFile file(path);
     file.write(text.data(), text.size());
@@ -99,7 +103,7 @@ void NewFile::commit() {
     if (const int error = sync(partial_, O_WRONLY)) fail(error, path_);
     if (std::rename(partial_.c_str(), path_.c_str()) != 0) fail(errno, path_);
     committed_ = true;
-    if (const int error = sync(folder_of(path_), O_RDONLY | O_DIRECTORY)) fail(error, path_);
+    sync_folder_of(path_);
 }
 
 }  // namespace toile::files

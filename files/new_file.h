@@ -30,6 +30,10 @@ class NewFile {
 /// Writes a whole file of text. Throws Error with the system's reason.
 void write_text_file(const std::string& path, const std::string& text);
 
+/// Puts a file's entry in its folder on the disk: a file that was just made is there after a power cut. Throws Error
+/// with the system's reason.
+void sync_folder_of(const std::string& path);
+
 /// One line for what a failed system call left in errno: "the disk is full", "no permission to write here" ...
 std::string write_failure(int error_number);
 
