@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -163,6 +164,7 @@ GenerateSummary generate(const SceneConfig& config, const GenerateOptions& optio
                                                             *config.image);
         write_at_once(run, summary.dataset, image.get());
     }
+    summary.bytes = std::filesystem::file_size(summary.dataset);
     config_copy.commit();
     replays.keep();
     summary.seconds = std::chrono::duration<double>(Clock::now() - start).count();

@@ -29,6 +29,7 @@ struct GenerateSummary {
     int climbed = 0;  ///< accepted at a later try than the first
     std::vector<FailedSample> failed;
     int vertices = 0, triangles = 0;
+    std::uintmax_t bytes = 0;                                             ///< size of the data set on disk [B]
     double seconds = 0;                                                   ///< wall time of the whole run [s]
     double mean_drape_seconds = 0;                                        ///< wall time of one sample's drape [s]
     double worst_penetration = 0, worst_stretch = 0, worst_residual = 0;  ///< over the accepted samples
