@@ -85,6 +85,8 @@ class Hdf5File {
     /// Where the rows of a virtual dataset lie, in order; empty for any other dataset. Those that others wrote, and
     /// which are not rows of other files one after the other, are read by the library, and are empty here.
     std::vector<VirtualRows> virtual_rows(const std::string& dataset) const;
+    /// One line for each file that a virtual dataset refers to and that cannot be opened.
+    std::vector<std::string> unreadable_parts(const std::string& dataset) const;
     /// The gzip level of a dataset that is stored in chunks; -1 of one that is not.
     int deflate(const std::string& dataset) const;
 

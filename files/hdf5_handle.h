@@ -75,6 +75,7 @@ struct Hdf5File::Impl {
     Handle dataset(const std::string& name) const;
     /// What is known of a virtual dataset; null if `dataset` is none.
     const VirtualDataset* virtual_dataset(const std::string& name, hid_t dataset);
+    std::string part_path(const VirtualRows& part) const;
     /// The file that holds rows of a virtual dataset. Error if it cannot be read.
     const Hdf5File& part_file(const std::string& name, const VirtualRows& part);
     /// The group or dataset that carries attributes.

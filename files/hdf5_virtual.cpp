@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <set>
 #include <type_traits>
 
 #include "cloth/error.h"
@@ -74,15 +75,19 @@ const VirtualDataset* Hdf5File::Impl::virtual_dataset(const std::string& name, h
     return &virtuals.insert_or_assign(name, VirtualDataset{found, rows_of(creation, found)}).first->second;
 }
 
+std::string Hdf5File::Impl::part_path(const VirtualRows& part) const {
+    return (std::filesystem::path(path).parent_path() / part.file).string();
+}
+
 const Hdf5File& Hdf5File::Impl::part_file(const std::string& name, const VirtualRows& part) {
-    const std::string part_path = (std::filesystem::path(path).parent_path() / part.file).string();
+    const std::string found = part_path(part);
     for (auto one = open.begin(); one != open.end(); ++one) {
-        if (one->first != part_path) continue;
+        if (one->first != found) continue;
         open.splice(open.begin(), open, one);
         return open.front().second;
     }
     try {
-        open.emplace_front(part_path, Hdf5File::open(part_path));
+        open.emplace_front(found, Hdf5File::open(found));
     } catch (const Error& error) {
         throw Error("a part of the data cannot be read, " + part.file + ": " + error.what(), where(name),
                     "put it back where it was, or join what is there with toile merge");
@@ -96,6 +101,21 @@ std::vector<VirtualRows> Hdf5File::virtual_rows(const std::string& name) const {
     const Session session;
     const VirtualDataset* found = impl_->virtual_dataset(name, impl_->dataset(name));
     return found ? found->part : std::vector<VirtualRows>{};
+}
+
+std::vector<std::string> Hdf5File::unreadable_parts(const std::string& name) const {
+    std::vector<std::string> line;
+    std::set<std::string> checked;
+    int64_t start = 0;
+    for (const VirtualRows& part : virtual_rows(name)) {
+        try {
+            if (checked.insert(part.file).second) open(impl_->part_path(part));
+        } catch (const Error& error) {
+            line.push_back("rows " + std::to_string(start) + " and on are in " + part.file + ": " + error.what());
+        }
+        start += part.rows;
+    }
+    return line;
 }
 
 template <typename T>
