@@ -292,9 +292,8 @@ void Hdf5File::remove(const std::string& name) {
 
 void Hdf5File::link(const std::string& name, const std::string& file, const std::string& dataset) {
     const Session session;
-    const Handle list(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
-    H5Pset_create_intermediate_group(list, 1);
-    if (H5Lcreate_external(file.c_str(), dataset.c_str(), impl_->file, name.c_str(), list, H5P_DEFAULT) < 0)
+    make_groups(impl_->file, name);
+    if (H5Lcreate_external(file.c_str(), dataset.c_str(), impl_->file, name.c_str(), H5P_DEFAULT, H5P_DEFAULT) < 0)
         impl_->fail("cannot link: " + library_message(), name);
     impl_->check_written();
 }
