@@ -71,6 +71,27 @@ class Reading(DatasetCase):
         for field, value in data[:].items():
             self.assert_same(value, self.direct[field][self.expected()])
 
+    def test_a_part_in_pieces(self) -> None:
+        """As merge refers to a part of which samples in the middle were made again elsewhere."""
+        path = os.path.join(self.folder, "pieces.h5")
+        shutil.copy(self.merged, path)
+        for name, picked in (("again", [10, 11]), ("rest", list(range(20, SAMPLES)))):
+            with h5py.File(os.path.join(self.folder, f"{name}.h5"), "w") as file:
+                file["samples/cloth"] = self.direct["cloth"][picked]
+        runs = (("shard_0/part_00000.h5", 0, 10), ("again.h5", 0, 2), ("shard_0/part_00000.h5", 12, 8),
+                ("rest.h5", 0, SAMPLES - 20))  # fmt: skip
+        layout, row = h5py.VirtualLayout((SAMPLES, VERTICES, 3), "f4"), 0
+        for part, first, count in runs:
+            source = h5py.VirtualSource(part, "samples/cloth", (first + count, VERTICES, 3))
+            layout[row : row + count] = source[first : first + count]
+            row += count
+        with h5py.File(path, "r+") as file:
+            del file["samples/cloth"]
+            file.create_virtual_dataset("samples/cloth", layout, fillvalue=np.nan)
+        data = Dataset(path, "all", ("cloth",), "all")
+        self.assert_same(data[:]["cloth"], self.direct["cloth"])
+        self.assert_same(data[13]["cloth"], self.direct["cloth"][13])
+
     def test_a_relative_path_holds_when_the_folder_changes(self) -> None:
         before = os.getcwd()
         self.addCleanup(os.chdir, before)
