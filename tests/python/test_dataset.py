@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import pickle
 import resource
@@ -11,6 +12,7 @@ import sys
 import tempfile
 import threading
 import unittest
+import unittest.mock
 
 import h5py
 import numpy as np
@@ -102,6 +104,12 @@ class Reading(DatasetCase):
             os.chdir("/")
             self.assert_same(data[:]["cloth"], self.direct["cloth"][self.expected()])
 
+    def test_a_link_to_a_merged_file(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            link = os.path.join(folder, "link.h5")
+            os.symlink(self.merged, link)
+            self.assert_same(Dataset(link, fields=("cloth",))[:]["cloth"], self.direct["cloth"][self.expected()])
+
     def test_more_parts_than_files_may_be_open(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
             parts = [os.path.join(folder, f"part_{k:05}.h5") for k in range(150)]
@@ -130,6 +138,7 @@ class Refusals(DatasetCase):
             ("has no field 'coth'; its samples have cloth, ", {"fields": ("coth",)}),
             ("has no field 'certificate/x'", {"fields": ("certificate/x",)}),
             ("does not have one value a sample", {"fields": ("mesh/triangle",)}),
+            ("does not have one value a sample", {"fields": ("mesh/scalar",)}),
         ):
             with self.assertRaisesRegex(DataError, message):
                 Dataset(self.whole, **keywords)
@@ -267,6 +276,15 @@ class Processes(DatasetCase):
         for locking in (None, True, False):  # this process reads it too, with any kind of lock
             with h5py.File(self.whole, "r", locking=locking):
                 self.assertGreater(len(Dataset(self.whole)), 0)
+        plain = h5py.File
+
+        def refuse_locks(path: str, mode: str, locking: bool | None = None, **keywords: int) -> h5py.File:
+            if locking is None:
+                raise OSError(errno.ENOLCK, "Unable to open file (unable to lock file, errno = 37)")
+            return plain(path, mode, locking=locking, **keywords)
+
+        with unittest.mock.patch.object(h5py, "File", refuse_locks):  # a file system without locks
+            self.assertGreater(len(Dataset(self.whole)), 0)
         read = [sys.executable, "-c", f"import toile_data; toile_data.Dataset({self.whole!r})"]
         with h5py.File(self.whole, "r+"):
             outcome = subprocess.run(read, stderr=subprocess.PIPE, text=True)
