@@ -48,7 +48,6 @@ void may_refuse(const std::function<void()>& read, Place place) {
         const std::string what = error.what();
         if (what.empty() || (place == Place::known && error.where().empty()))
             give_up("refused without saying what or where: " + what);
-        if (what.size() > 4000) give_up("a message of " + std::to_string(what.size()) + " bytes");
     }
 }
 
