@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Failures that come from the machine rather than from the pose.
-bool worth_another_try(const files::SampleRecord& sample) {
+bool failed_by_machine(const files::SampleRecord& sample) {
     const auto status = static_cast<simulate::DrapeStatus>(sample.status);
     return status == simulate::DrapeStatus::crashed || status == simulate::DrapeStatus::out_of_memory;
 }
@@ -166,12 +166,20 @@ std::optional<files::SampleRecord> Shard::sound_sample(const files::DatasetReade
         files::SampleRecord sample = reader.read(row);
         if (sample.id != plan_.pose_number[slot] || files::sample_digest(sample) != reader.stored_digest(row))
             note_damage(name + " in " + reader.file().path() + " is damaged, and is made again");
-        else if (!worth_another_try(sample))
+        else if (!is_tried_again(sample))
             return sample;
     } catch (const Error& error) {
         note_damage(name + " in " + reader.file().path() + " cannot be read, and is made again: " + error.what());
     }
     return std::nullopt;
+}
+
+/// Then what was kept of its failure goes too.
+bool Shard::is_tried_again(const files::SampleRecord& sample) const {
+    if (!failed_by_machine(sample)) return false;
+    std::error_code ignored;
+    fs::remove(replay_path(corpus_folder_, sample.id), ignored);
+    return true;
 }
 
 void Shard::unseal(int part, const files::DatasetReader& reader, const std::vector<int>& sound) {
@@ -196,7 +204,7 @@ void Shard::recover_journal(int part) {
         if (slot == slot_of.end())
             throw Error("the journal has a sample of pose " + std::to_string(sample.id) + ", which is not in its part",
                         opened.journal.path(), "remove the shard's folder");
-        if (worth_another_try(sample) || opened.record.count(slot->second)) continue;
+        if (opened.record.count(slot->second) || is_tried_again(sample)) continue;
         opened.record[slot->second] = k;
         there_[slot->second - slots_.first] = 1;
         tally_.add(sample, corpus_folder_);
