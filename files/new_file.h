@@ -17,6 +17,8 @@ class NewFile {
     const std::string& path() const { return path_; }        ///< the final name
     const std::string& partial() const { return partial_; }  ///< the name to write to until then
     void commit();                                           ///< throws Error if the rename fails
+    void
+    sync();  ///< brings to the disk what others wrote to the partial file; throws Error where it does not get there
 
     /// Writes `size` bytes to the partial file, replacing what it held, and syncs it. Throws Error with the system's
     /// reason (full disk, no permission).
