@@ -1,10 +1,12 @@
 #include "app/flags.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <limits>
 #include <thread>
 
 #include "app/interrupt.h"
+#include "cloth/error.h"
 
 namespace toile::app {
 
@@ -24,6 +26,19 @@ void add_generate_flags(CLI::App& command, Flags& flags) {
         ->type_name("DIR")
         ->required();
     add_jobs_flag(command, flags);
+    command.add_flag("--resume", flags.resume,
+                     "goes on with what is in DIR: makes what is missing, damaged, crashed or ran out of memory");
+    command
+        .add_option("--memory-limit", flags.memory_limit,
+                    "memory that one worker process may take, for example 4GB; a pose that needs more fails alone")
+        ->type_name("SIZE")
+        ->transform(CLI::AsSizeValue(false));
+}
+
+void add_shard_flag(CLI::App& command, Flags& flags) {
+    command
+        .add_option("--shard", flags.shard, "makes part I of N alone, I from 0 to N - 1; toile merge DIR joins them")
+        ->type_name("I/N");
 }
 
 void add_jobs_flag(CLI::App& command, Flags& flags) {
@@ -40,10 +55,30 @@ CLI::Option* add_pose_flag(CLI::App& command, Flags& flags, const std::string& d
         ->check(CLI::Range(0, std::numeric_limits<int>::max()));
 }
 
+namespace {
+
+std::optional<generate::ShardNumber> shard_of(const std::string& text) {
+    if (text.empty()) return std::nullopt;
+    generate::ShardNumber shard;
+    int read = 0;
+    constexpr int most = 99999;
+    if (std::sscanf(text.c_str(), "%d/%d%n", &shard.index, &shard.count, &read) != 2 ||
+        read != static_cast<int>(text.size()) || shard.count < 1 || shard.count > most || shard.index < 0 ||
+        shard.index >= shard.count)
+        throw Error("--shard is " + text + ", but should be I/N with I from 0 to N - 1", "command line",
+                    "the first of sixteen shards is 0/16, the last 15/16");
+    return shard;
+}
+
+}  // namespace
+
 generate::GenerateOptions generate_options(const Flags& flags, ProgressDisplay& display) {
     generate::GenerateOptions options;
     options.folder = flags.out;
     options.jobs = flags.jobs;
+    options.shard = shard_of(flags.shard);
+    options.resume = flags.resume;
+    options.memory_limit = flags.memory_limit;
     options.progress = [&display](const generate::Progress& progress) { display(progress); };
     options.interrupted = watch_interrupt();
     return options;

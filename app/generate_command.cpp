@@ -23,10 +23,14 @@ void add_generate_command(CLI::App& program, Work& chosen) {
     CLI::App* command = program.add_subcommand("generate", "poses, skin, simulate, embed, rasterise: DIR/dataset.h5");
     const auto flags = std::make_shared<Flags>();
     add_generate_flags(*command, *flags);
+    add_shard_flag(*command, *flags);
     command->footer(
-        "A pose that fails is kept with its reason and the run goes on; the exit status is then 3.\n\n"
+        "A pose that fails is kept with its reason and the run goes on; the exit status is then 3. A run that is "
+        "killed\n"
+        "loses the samples in work at most, and --resume goes on with it.\n\n"
         "  toile generate configs/tshirt.toml --out out/tshirt --jobs 2\n"
-        "  toile generate configs/quick.toml --out out/four --set poses.count=4");
+        "  toile generate configs/quick.toml --out out/four --set poses.count=4\n"
+        "  toile generate configs/tshirt.toml --out out/big --shard 3/16 --resume   # one of sixteen, on any machine");
     command->callback([flags, &chosen] { chosen = [flags] { return generate_dataset(*flags); }; });
 }
 

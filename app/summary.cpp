@@ -47,6 +47,9 @@ void print_summary(const generate::GenerateSummary& s) {
     if (s.image_width > 0 && s.accepted > 0)
         say("  images           {} x {} pixels, {} channels; read back within {:.3f} mm (root mean square {:.3f} mm)",
             s.image_width, s.image_height, s.image_channels, 1e3 * s.image_error_max, 1e3 * s.image_error_rms);
+    if (s.samples > 0)
+        say("  disk             {:.1f} MB, {:.1f} kB a sample", 1e-6 * static_cast<double>(s.bytes),
+            1e-3 * static_cast<double>(s.bytes) / s.samples);
     say("  time             {:.1f} s in all, {:.2f} s a drape", s.seconds, s.mean_drape_seconds);
     for (const std::string& remark : s.remarks) say("  note             {}", remark);
 }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <type_traits>
 
 #include "cloth/error.h"
@@ -67,37 +68,45 @@ Value value_of(const Hdf5File& file, const std::string& name, int slot) {
 
 }  // namespace
 
-void write_certificates(Hdf5File& file, const std::vector<CertificateRecord>& certificate) {
+void create_certificates(Hdf5File& file, int64_t count, bool detailed) {
+    constexpr int64_t chunk_rows = 4096;
+    CertificateRecord record;
+    if (detailed) record.detail.emplace();
+    for_each_value(record, [&](const char* name, auto value) {
+        file.create_rows<decltype(value)>(dataset(name), count, {}, 0, chunk_rows);
+    });
+}
+
+void write_certificate_rows(Hdf5File& file, int64_t first, const std::vector<CertificateRecord>& certificate) {
     struct Column {
-        std::string name;
-        bool whole;
         std::vector<double> real;
         std::vector<int> number;
     };
-    std::vector<Column> columns;
-    const CertificateRecord first = certificate.empty() ? CertificateRecord{} : certificate.front();
-    for_each_value(first, [&](const char* name, auto value) {
-        columns.push_back({dataset(name), std::is_same_v<decltype(value), int>, {}, {}});
-    });
+    std::map<std::string, Column> column;
+    const bool detailed = file.has(dataset("tries"));
     for (const CertificateRecord& one : certificate) {
-        if (one.detail.has_value() != first.detail.has_value())
+        if (one.detail.has_value() != detailed)
             throw Error("some samples have a detailed certificate and some have not", file.path());
-        auto column = columns.begin();
-        for_each_value(one, [&](const char*, auto value) {
+        for_each_value(one, [&](const char* name, auto value) {
             if constexpr (std::is_same_v<decltype(value), int>)
-                column->number.push_back(value);
+                column[name].number.push_back(value);
             else
-                column->real.push_back(value);
-            ++column;
+                column[name].real.push_back(value);
         });
     }
-    const Shape shape{static_cast<int64_t>(certificate.size())};
-    for (const Column& one : columns) {
-        if (one.whole)
-            file.write(one.name, one.number, shape, Storage{0, {}});
+    const auto count = static_cast<int64_t>(certificate.size());
+    for (const auto& [name, one] : column) {
+        if (one.real.empty())
+            file.write_rows(dataset(name), first, count, one.number.data());
         else
-            file.write(one.name, one.real, shape, Storage{0, {}});
+            file.write_rows(dataset(name), first, count, one.real.data());
     }
+}
+
+void write_certificates(Hdf5File& file, const std::vector<CertificateRecord>& certificate) {
+    create_certificates(file, static_cast<int64_t>(certificate.size()),
+                        !certificate.empty() && certificate.front().detail.has_value());
+    write_certificate_rows(file, 0, certificate);
 }
 
 CertificateRecord read_certificate(const Hdf5File& file, int slot) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +26,10 @@ struct CertificateRecord {
 
 /// /certificate/*, one value a sample, without `seconds`. Throws Error where some have details and some have not.
 void write_certificates(Hdf5File& file, const std::vector<CertificateRecord>& certificate);
+
+/// The same in pieces: the datasets for `count` samples, with details or without, then their rows from `first` on.
+void create_certificates(Hdf5File& file, int64_t count, bool detailed);
+void write_certificate_rows(Hdf5File& file, int64_t first, const std::vector<CertificateRecord>& certificate);
 
 /// The certificate of sample `slot`; `seconds` is NaN where the file does not have it. Throws Error for what is missing
 /// or has another type or shape.

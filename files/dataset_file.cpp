@@ -1,13 +1,14 @@
 #include "files/dataset_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <string_view>
 #include <utility>
 
 #include "cloth/error.h"
+#include "files/dataset_header.h"
 #include "files/digest.h"
-#include "files/mesh_group.h"
 #include "files/new_file.h"
 
 namespace toile::files {
@@ -39,51 +40,6 @@ void append(std::string& bytes, const std::vector<T>& value) {
     append(bytes, value.data(), value.size());
 }
 
-void write_body_group(Hdf5File& file, const DatasetBody& body, int deflate) {
-    const Storage storage{deflate, {}};
-    const auto joints = static_cast<int64_t>(body.joint_name.size());
-    const auto weights = static_cast<int64_t>(body.weight_value.size());
-    file.write("/body/triangle", body.triangle.data(), {body.triangle.rows(), 3}, storage);
-    file.write("/body/rest_position", body.rest_position.data(), {body.rest_position.rows(), 3}, storage);
-    file.write_strings("/body/joint_name", body.joint_name);
-    file.write("/body/joint_parent", body.joint_parent, {joints}, storage);
-    std::vector<double> bind;
-    for (const Eigen::Matrix4d& matrix : body.joint_bind)
-        for (int row = 0; row < 4; ++row)
-            for (int column = 0; column < 4; ++column) bind.push_back(matrix(row, column));
-    file.write("/body/joint_bind", bind, {joints, 4, 4}, storage);
-    file.write("/body/weight_vertex", body.weight_vertex, {weights}, storage);
-    file.write("/body/weight_joint", body.weight_joint, {weights}, storage);
-    file.write("/body/weight_value", body.weight_value, {weights}, storage);
-}
-
-void write_root(Hdf5File& file, const DatasetHeader& header) {
-    file.set_attribute("/", "format", "toile");
-    file.set_attribute("/", "version", dataset_version);
-    file.set_attribute("/", "config", header.config);
-    file.set_attribute("/", "config_hash", header.config_hash);
-    file.set_attribute("/", "program_version", header.program_version);
-    file.set_attribute("/", "seed", header.seed);
-    file.set_attribute("/", "reasons", header.reasons);
-}
-
-void write_header(Hdf5File& file, const DatasetHeader& header, int deflate) {
-    const Storage storage{deflate, {}};
-    write_root(file, header);
-    write_mesh_group(file, header.mesh, deflate);
-    if (header.body) write_body_group(file, *header.body, deflate);
-    if (header.embedding) {
-        const auto vertices = static_cast<int64_t>(header.embedding->triangle.size());
-        file.write("/embedding/triangle", header.embedding->triangle, {vertices}, storage);
-        file.write("/embedding/barycentric", header.embedding->barycentric.data(), {vertices, 3}, storage);
-    }
-    if (header.image) {
-        const DatasetImage& image = *header.image;
-        file.write("/image/pattern_pixel", image.pattern_pixel.data(), {image.pattern_pixel.rows(), 3}, storage);
-        file.write("/image/mask", image.mask, {image.layers, image.size, image.size}, storage);
-    }
-}
-
 }  // namespace
 
 Digest sample_digest(const SampleRecord& sample) {
@@ -109,6 +65,66 @@ std::string timing_path(const std::string& dataset) {
     return std::filesystem::path(dataset).replace_extension(".timing.h5").string();
 }
 
+namespace {
+
+/// Rows of the columns that are written at a time; their chunks hold as many.
+constexpr int64_t block_rows = 4096;
+
+std::vector<double> seconds_of(const std::vector<CertificateRecord>& certificate) {
+    std::vector<double> seconds;
+    for (const CertificateRecord& one : certificate) seconds.push_back(one.seconds);
+    return seconds;
+}
+
+/// One value a sample, or a few, of samples that follow each other.
+struct ColumnBlock {
+    int64_t first = 0;
+    std::vector<int64_t> id;
+    std::vector<int8_t> split, status;
+    std::vector<uint8_t> digest;           ///< `[n x 16]`
+    std::vector<double> resampling_error;  ///< `[n x 2]`
+    std::vector<CertificateRecord> certificate;
+
+    int64_t count() const { return static_cast<int64_t>(id.size()); }
+    void add(const SampleRecord& sample) {
+        id.push_back(sample.id);
+        split.push_back(static_cast<int8_t>(sample.split));
+        status.push_back(static_cast<int8_t>(sample.status));
+        const Digest of_sample = sample_digest(sample);
+        digest.insert(digest.end(), of_sample.begin(), of_sample.end());
+        resampling_error.insert(resampling_error.end(), sample.resampling_error.begin(), sample.resampling_error.end());
+        certificate.push_back(sample.certificate);
+    }
+};
+
+/// Largest and root mean square over the accepted samples, which have equally many vertices.
+struct GatheredError {
+    double largest = 0, squared_sum = 0;
+    int64_t count = 0;
+
+    void add(const SampleRecord& sample) {
+        if (sample.status != 0) return;
+        largest = std::max(largest, sample.resampling_error[0]);
+        squared_sum += sample.resampling_error[1] * sample.resampling_error[1];
+        ++count;
+    }
+    std::vector<double> value() const {
+        return {largest, count > 0 ? std::sqrt(squared_sum / static_cast<double>(count)) : 0.0};
+    }
+};
+
+/// The file beside a data set that takes what no run repeats.
+struct TimingFile {
+    explicit TimingFile(const std::string& path, int64_t rows)
+        : target(path), file(Hdf5File::create(target.partial())) {
+        file.create_rows<double>("/seconds", rows, {}, 0, block_rows);
+    }
+    NewFile target;
+    Hdf5File file;
+};
+
+}  // namespace
+
 struct DatasetWriter::Impl {
     Impl(const std::string& path, const DatasetHeader& shared, int count, int level)
         : header(shared), sample_count(count), deflate(level), target(path), file(Hdf5File::create(target.partial())) {}
@@ -118,25 +134,22 @@ struct DatasetWriter::Impl {
     const int deflate;
     NewFile target;
     Hdf5File file;
+    std::optional<TimingFile> timing;  ///< not for a part
     int next_slot = 0;
     std::map<int, SampleRecord> early;  ///< slot -> sample that waits for the ones before it
+    ColumnBlock block;
+    GatheredError error;
+    bool certificates_created = false;
 
-    // One value a sample, written at the end.
-    std::vector<int64_t> id;
-    std::vector<int8_t> split, status;
-    std::vector<uint8_t> digest;
-    std::vector<CertificateRecord> certificate;
-
-    void create_datasets();
+    void create_datasets(bool part);
     void check(const SampleRecord& sample, int slot) const;
     void store(const SampleRecord& sample);
-    void write_certificates();
-    void write_timing(const NewFile& timing) const;
-    void write_columns();
+    void write_block();
+    void write_attributes();
     [[noreturn]] void fail(const std::string& what) const { throw Error(what, target.path()); }
 };
 
-void DatasetWriter::Impl::create_datasets() {
+void DatasetWriter::Impl::create_datasets(bool part) {
     const int64_t vertices = header.mesh.vertex_count();
     file.create_rows<float>("/samples/cloth", sample_count, {vertices, 3}, deflate);
     if (header.body) {
@@ -151,7 +164,19 @@ void DatasetWriter::Impl::create_datasets() {
     if (header.image) {
         const DatasetImage& image = *header.image;
         file.create_rows<float>("/samples/image", sample_count, {3 * image.layers, image.size, image.size}, deflate);
+        file.create_rows<double>("/samples/resampling_error", sample_count, {2}, 0, block_rows);
     }
+    file.create_rows<int64_t>("/samples/id", sample_count, {}, 0, block_rows);
+    file.create_rows<int8_t>("/samples/split", sample_count, {}, 0, block_rows);
+    file.create_rows<int8_t>("/samples/status", sample_count, {}, 0, block_rows);
+    file.create_rows<uint8_t>("/samples/digest", sample_count, {16}, 0, block_rows);
+    if (part) {
+        file.create_rows<double>("/certificate/seconds", sample_count, {}, 0, block_rows);
+        return;
+    }
+    const std::filesystem::path path = timing_path(target.path());
+    timing.emplace(path.string(), sample_count);
+    file.link("/certificate/seconds", path.filename().string(), "/seconds");
 }
 
 void DatasetWriter::Impl::check(const SampleRecord& sample, int slot) const {
@@ -187,43 +212,47 @@ void DatasetWriter::Impl::store(const SampleRecord& sample) {
         file.write_row("/samples/frame", row, quaternion_floats(sample.frame).data());
     }
     if (header.image) file.write_row("/samples/image", row, sample.image.data());
-    id.push_back(sample.id);
-    split.push_back(static_cast<int8_t>(sample.split));
-    status.push_back(static_cast<int8_t>(sample.status));
-    certificate.push_back(sample.certificate);
-    const Digest of_sample = sample_digest(sample);
-    digest.insert(digest.end(), of_sample.begin(), of_sample.end());
+    block.add(sample);
+    error.add(sample);
+    if (block.count() == block_rows) write_block();
 }
 
-void DatasetWriter::Impl::write_certificates() {
-    files::write_certificates(file, certificate);
-    const std::filesystem::path timing = timing_path(target.path());
-    file.link("/certificate/seconds", timing.filename().string(), "/seconds");
-    for (const auto& [name, largest] : header.gate) file.set_attribute("/certificate", name, largest);
+void DatasetWriter::Impl::write_block() {
+    const int64_t first = block.first, count = block.count();
+    if (!certificates_created) {
+        create_certificates(file, sample_count, count > 0 && block.certificate.front().detail.has_value());
+        certificates_created = true;
+    }
+    file.write_rows("/samples/id", first, count, block.id.data());
+    file.write_rows("/samples/split", first, count, block.split.data());
+    file.write_rows("/samples/status", first, count, block.status.data());
+    file.write_rows("/samples/digest", first, count, block.digest.data());
+    if (header.image) file.write_rows("/samples/resampling_error", first, count, block.resampling_error.data());
+    write_certificate_rows(file, first, block.certificate);
+    const std::vector<double> seconds = seconds_of(block.certificate);
+    if (timing)
+        timing->file.write_rows("/seconds", first, count, seconds.data());
+    else
+        file.write_rows("/certificate/seconds", first, count, seconds.data());
+    block = {};
+    block.first = first + count;
 }
 
-void DatasetWriter::Impl::write_timing(const NewFile& timing) const {
-    std::vector<double> seconds;
-    for (const CertificateRecord& c : certificate) seconds.push_back(c.seconds);
-    Hdf5File timing_file = Hdf5File::create(timing.partial());
-    timing_file.write("/seconds", seconds, {sample_count}, Storage{0, {}});
-    timing_file.close();
-}
-
-void DatasetWriter::Impl::write_columns() {
-    const Storage storage{0, {}};
-    file.write("/samples/id", id, {sample_count}, storage);
-    file.write("/samples/split", split, {sample_count}, storage);
-    file.write("/samples/status", status, {sample_count}, storage);
-    file.write("/samples/digest", digest, {sample_count, 16}, storage);
+void DatasetWriter::Impl::write_attributes() {
     file.set_attribute("/samples/split", "duplicate_angle", header.duplicate_angle);
     file.set_attribute("/samples/status", "reasons", header.reasons);
+    for (const auto& [name, largest] : header.gate) file.set_attribute("/certificate", name, largest);
+    if (!header.image) return;
+    file.set_attribute("/", "resampling_error", error.value());
+    file.set_attribute("/samples/image", "resampling_error", error.value());
 }
 
-DatasetWriter::DatasetWriter(const std::string& path, const DatasetHeader& header, int sample_count, int deflate)
+DatasetWriter::DatasetWriter(const std::string& path, const DatasetHeader& header, int sample_count, int deflate,
+                             const std::optional<CorpusPart>& part)
     : impl_(std::make_unique<Impl>(path, header, sample_count, deflate)) {
-    write_header(impl_->file, header, deflate);
-    impl_->create_datasets();
+    write_dataset_header(impl_->file, header, deflate);
+    if (part) write_part(impl_->file, *part);
+    impl_->create_datasets(part.has_value());
 }
 
 DatasetWriter::~DatasetWriter() = default;
@@ -238,23 +267,18 @@ void DatasetWriter::write(int slot, SampleRecord sample) {
         impl_->store(first->second);
 }
 
-void DatasetWriter::finish(const std::optional<std::array<double, 2>>& resampling_error) {
+void DatasetWriter::finish() {
     if (impl_->next_slot != impl_->sample_count)
         impl_->fail("slot " + std::to_string(impl_->next_slot) + " of " + std::to_string(impl_->sample_count) +
                     " was never written");
-    if (impl_->header.image && !resampling_error) impl_->fail("the images' resampling error was not given");
-    impl_->write_columns();
-    impl_->write_certificates();
-    if (impl_->header.image) {
-        const std::vector<double> error(resampling_error->begin(), resampling_error->end());
-        impl_->file.set_attribute("/", "resampling_error", error);
-        impl_->file.set_attribute("/samples/image", "resampling_error", error);
-    }
-    NewFile timing(timing_path(impl_->target.path()));
-    impl_->write_timing(timing);
+    impl_->write_block();
+    impl_->write_attributes();
     impl_->file.close();
+    if (impl_->timing) {
+        impl_->timing->file.close();
+        impl_->timing->target.commit();
+    }
     impl_->target.commit();
-    timing.commit();
 }
 
 }  // namespace toile::files

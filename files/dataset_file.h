@@ -53,8 +53,16 @@ struct DatasetHeader {
     std::vector<std::string> reasons;    ///< index = status
     std::map<std::string, double> gate;  ///< certificate dataset -> largest value of an accepted sample
     double duplicate_angle = 0;          ///< poses closer than this stay in one split [rad]
-    /// Largest and root mean square error of mesh -> image -> mesh [m]; the writer takes it when it finishes.
+    /// Largest and root mean square error of mesh -> image -> mesh over the accepted samples [m]. The reader fills it
+    /// in; the writer gathers it from the samples.
     std::optional<std::array<double, 2>> resampling_error;
+};
+
+/// A worker's share of a corpus: samples [first_slot, first_slot + sample count) of `corpus_samples`.
+struct CorpusPart {
+    int shard = 0, shards = 1;
+    int64_t first_slot = 0;
+    int64_t corpus_samples = 0;
 };
 
 /// One pose's data. A sample that failed (status not 0) is kept as it ended: its cloth may be at fault, or not finite,
@@ -69,6 +77,8 @@ struct SampleRecord {
     Positions displacement;                 ///< `[V x 3]`; with an embedding
     std::vector<Eigen::Quaterniond> frame;  ///< `[V]`; with an embedding
     std::vector<float> image;               ///< `[C x H x W]`; with an image
+    /// Largest and root mean square distance of the image, read back, to the displacement [m]; with an image.
+    std::array<double, 2> resampling_error = {0, 0};
     CertificateRecord certificate;
 };
 
@@ -79,9 +89,13 @@ using Digest = std::array<uint8_t, 16>;
 /// the same whatever the number of workers; those that came early wait in memory. One thread at a time.
 ///
 /// `/certificate/seconds` is measured and so differs from run to run: it lies in a file of its own, `timing_path`, and
-/// the data set links to it. The data set's own bytes depend on the samples alone.
+/// the data set links to it. The data set's own bytes depend on the samples alone. A part of a corpus is joined with
+/// others later: it holds its seconds itself, and the members of `CorpusPart` as root attributes.
 ///
-/// Beyond the contract: `/samples/digest` (N,16) uint8, see `sample_digest`; `/certificate/moving_share` (N) and
+/// Memory does not grow with the number of samples.
+///
+/// Beyond the contract: `/samples/digest` (N,16) uint8, see `sample_digest`; where there are images
+/// `/samples/resampling_error` (N,2), largest and root mean square of each sample; `/certificate/moving_share` (N) and
 /// `body_crossings`, `iterations`, `path_steps`, `tries` and `rung` (N) int32, and for each rung of the ladder k
 /// `rung_k_status` (N) int32 and `rung_k_residual_force` (N), -1 where it was not tried, see simulate/certificate.h;
 /// attributes `duplicate_angle` on /samples/split, the gate's bounds on /certificate under the names of its datasets;
@@ -89,16 +103,16 @@ using Digest = std::array<uint8_t, 16>;
 class DatasetWriter {
   public:
     /// `deflate`: gzip level 0 to 9 of the samples' arrays. Throws Error where the file cannot be made.
-    DatasetWriter(const std::string& path, const DatasetHeader& header, int sample_count, int deflate);
+    DatasetWriter(const std::string& path, const DatasetHeader& header, int sample_count, int deflate,
+                  const std::optional<CorpusPart>& part = std::nullopt);
     ~DatasetWriter();  ///< without `finish`: leaves nothing behind
     DatasetWriter(const DatasetWriter&) = delete;
     DatasetWriter& operator=(const DatasetWriter&) = delete;
 
     /// Throws Error if the slot was written before, an array has the wrong size, or the disk is full.
     void write(int slot, SampleRecord sample);
-    /// Error unless every slot was written. `resampling_error`: largest and root mean square [m], where there are
-    /// images.
-    void finish(const std::optional<std::array<double, 2>>& resampling_error);
+    /// Error unless every slot was written.
+    void finish();
 
   private:
     struct Impl;
@@ -114,6 +128,7 @@ class DatasetReader {
   public:
     explicit DatasetReader(const std::string& path);
     const DatasetHeader& header() const { return header_; }
+    const std::optional<CorpusPart>& part() const { return part_; }
     int sample_count() const { return sample_count_; }
     SampleRecord read(int slot) const;
     Digest stored_digest(int slot) const;
@@ -122,14 +137,15 @@ class DatasetReader {
   private:
     Hdf5File file_;
     DatasetHeader header_;
+    std::optional<CorpusPart> part_;
     int sample_count_ = 0;
 };
 
 /// XXH3-128, big-endian, of a sample's stored bytes one after the other: id, split, status, pose, cloth, embedded,
 /// displacement, frame, image, then residual_force, body_penetration, self_intersections, max_stretch, min_stretch and
 /// max_speed, then moving_share, body_crossings, iterations, path_steps, tries and rung, then status and residual force
-/// of each rung, each little-endian in its stored type; what the file lacks is left out, and so is `seconds`, which no
-/// run repeats.
+/// of each rung, each little-endian in its stored type; what the file lacks is left out, and so are `seconds`, which no
+/// run repeats, and `resampling_error`, which follows from the rest.
 Digest sample_digest(const SampleRecord& sample);
 
 }  // namespace toile::files

@@ -2,83 +2,10 @@
 
 #include "cloth/error.h"
 #include "files/dataset_file.h"
-#include "files/mesh_group.h"
+#include "files/dataset_header.h"
 
 namespace toile::files {
 namespace {
-
-template <typename Rows, typename T>
-Rows rows_of(const Array<T>& array) {
-    Rows rows(array.shape[0], array.shape[1]);
-    std::copy(array.value.begin(), array.value.end(), rows.data());
-    return rows;
-}
-
-DatasetBody read_body_group(const Hdf5File& file) {
-    DatasetBody body;
-    body.triangle = rows_of<Triangles>(file.read<int>("/body/triangle", {any_size, 3}));
-    body.rest_position = rows_of<Positions>(file.read<double>("/body/rest_position", {any_size, 3}));
-    body.joint_name = file.read_strings("/body/joint_name");
-    const auto joints = static_cast<int64_t>(body.joint_name.size());
-    body.joint_parent = file.read<int>("/body/joint_parent", {joints}).value;
-    const std::vector<double> bind = file.read<double>("/body/joint_bind", {joints, 4, 4}).value;
-    for (int64_t j = 0; j < joints; ++j)
-        body.joint_bind.push_back(Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(&bind[16 * j]));
-    body.weight_vertex = file.read<int>("/body/weight_vertex", {any_size}).value;
-    const auto weights = static_cast<int64_t>(body.weight_vertex.size());
-    body.weight_joint = file.read<int>("/body/weight_joint", {weights}).value;
-    body.weight_value = file.read<double>("/body/weight_value", {weights}).value;
-    return body;
-}
-
-DatasetImage read_image_group(const Hdf5File& file, int64_t pattern_positions) {
-    DatasetImage image;
-    image.pattern_pixel = rows_of<Positions>(file.read<double>("/image/pattern_pixel", {pattern_positions, 3}));
-    const auto mask = file.read<uint8_t>("/image/mask", {any_size, any_size, any_size});
-    if (mask.shape[1] != mask.shape[2])
-        throw Error("/image/mask has shape " + shape_text(mask.shape) + ", which is not square",
-                    file.path() + ":/image/mask");
-    image.layers = static_cast<int>(mask.shape[0]);
-    image.size = static_cast<int>(mask.shape[1]);
-    image.mask = mask.value;
-    return image;
-}
-
-DatasetHeader read_header(const Hdf5File& file) {
-    if (!file.has_attribute("/", "format") || file.string_attribute("/", "format") != "toile")
-        throw Error("this HDF5 file is not one of toile's: its attribute \"format\" is not \"toile\"", file.path());
-    const int64_t version = file.integer_attribute("/", "version");
-    if (version != dataset_version)
-        throw Error("the file has version " + std::to_string(version) + ", and this program reads version " +
-                        std::to_string(dataset_version),
-                    file.path());
-    DatasetHeader header;
-    header.config = file.string_attribute("/", "config");
-    header.config_hash = file.string_attribute("/", "config_hash");
-    header.program_version = file.string_attribute("/", "program_version");
-    header.seed = file.integer_attribute("/", "seed");
-    header.reasons = file.strings_attribute("/samples/status", "reasons");
-    header.duplicate_angle = file.number_attribute("/samples/split", "duplicate_angle");
-    for (const std::string& key : file.attributes("/certificate"))
-        header.gate[key] = file.number_attribute("/certificate", key);
-    file.shape("/mesh/pattern_position");  // only a data set's mesh must have a pattern
-    header.mesh = read_mesh_group(file);
-    if (file.has("/body")) header.body = read_body_group(file);
-    if (file.has("/embedding")) {
-        const int64_t vertices = header.mesh.vertex_count();
-        header.embedding =
-            DatasetEmbedding{file.read<int>("/embedding/triangle", {vertices}).value,
-                             rows_of<Positions>(file.read<double>("/embedding/barycentric", {vertices, 3}))};
-    }
-    if (file.has("/image")) {
-        header.image = read_image_group(file, header.mesh.pattern_position.rows());
-        const std::vector<double> error = file.numbers_attribute("/samples/image", "resampling_error");
-        if (error.size() != 2)
-            throw Error("resampling_error does not hold two numbers", file.path() + ":/samples/image");
-        header.resampling_error = {error[0], error[1]};
-    }
-    return header;
-}
 
 /// One value a sample.
 template <typename T>
@@ -113,10 +40,23 @@ std::vector<Eigen::Quaterniond> sample_frames(const Hdf5File& file, int slot, in
     return frame;
 }
 
+/// Data sets written before it was kept for each sample do without.
+std::array<double, 2> resampling_error(const Hdf5File& file, int slot) {
+    const Array<double> array = file.read_rows<double>("/samples/resampling_error", slot, 1);
+    if (array.shape != Shape{1, 2})
+        throw Error("/samples/resampling_error does not hold two numbers a sample",
+                    file.path() + ":/samples/resampling_error");
+    return {array.value[0], array.value[1]};
+}
+
 }  // namespace
 
-DatasetReader::DatasetReader(const std::string& path) : file_(Hdf5File::open(path)), header_(read_header(file_)) {
-    sample_count_ = static_cast<int>(file_.read<int64_t>("/samples/id", {any_size}).value.size());
+DatasetReader::DatasetReader(const std::string& path)
+    : file_(Hdf5File::open(path)), header_(read_dataset_header(file_)), part_(read_part(file_)) {
+    const Shape shape = file_.shape("/samples/id");
+    if (shape.size() != 1)
+        throw Error("/samples/id has shape " + shape_text(shape) + ", not one value a sample", path + ":/samples/id");
+    sample_count_ = static_cast<int>(shape[0]);
 }
 
 SampleRecord DatasetReader::read(int slot) const {
@@ -141,6 +81,7 @@ SampleRecord DatasetReader::read(int slot) const {
             throw Error("/samples/image has shape " + shape_text(array.shape) + ", which does not go with /image/mask",
                         file_.path() + ":/samples/image");
         sample.image = array.value;
+        if (file_.has("/samples/resampling_error")) sample.resampling_error = resampling_error(file_, slot);
     }
     sample.certificate = read_certificate(file_, slot);
     return sample;

@@ -227,10 +227,11 @@ void Hdf5File::write_strings(const std::string& name, const std::vector<std::str
 }
 
 template <typename T>
-void Hdf5File::create_rows(const std::string& name, int64_t rows, const Shape& row_shape, int deflate) {
+void Hdf5File::create_rows(const std::string& name, int64_t rows, const Shape& row_shape, int deflate,
+                           int64_t rows_per_chunk) {
     const Session session;
-    // a value a row: many share a chunk
-    const int64_t chunk_rows = row_shape.empty() ? std::clamp<int64_t>(rows, 1, 4096) : 1;
+    if (rows_per_chunk == 0) rows_per_chunk = row_shape.empty() ? 4096 : 1;
+    const int64_t chunk_rows = std::clamp<int64_t>(rows, 1, rows_per_chunk);
     Shape shape{rows}, chunk{chunk_rows};
     shape.insert(shape.end(), row_shape.begin(), row_shape.end());
     chunk.insert(chunk.end(), row_shape.begin(), row_shape.end());
@@ -276,9 +277,8 @@ void Hdf5File::remove(const std::string& name) {
 
 void Hdf5File::link(const std::string& name, const std::string& file, const std::string& dataset) {
     const Session session;
-    const Handle list(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
-    H5Pset_create_intermediate_group(list, 1);
-    if (H5Lcreate_external(file.c_str(), dataset.c_str(), impl_->file, name.c_str(), list, H5P_DEFAULT) < 0)
+    make_groups(impl_->file, name);
+    if (H5Lcreate_external(file.c_str(), dataset.c_str(), impl_->file, name.c_str(), H5P_DEFAULT, H5P_DEFAULT) < 0)
         impl_->fail("cannot link: " + library_message(), name);
     impl_->check_written();
 }
@@ -288,13 +288,13 @@ void Hdf5File::write_row(const std::string& name, int64_t row, const T* value) {
     write_rows(name, row, 1, value);
 }
 
-#define TOILE_ELEMENT_TYPE(T)                                                                     \
-    template Array<T> Hdf5File::read<T>(const std::string&) const;                                \
-    template Array<T> Hdf5File::read<T>(const std::string&, const Shape&) const;                  \
-    template Array<T> Hdf5File::read_rows<T>(const std::string&, int64_t, int64_t) const;         \
-    template void Hdf5File::write<T>(const std::string&, const T*, const Shape&, const Storage&); \
-    template void Hdf5File::create_rows<T>(const std::string&, int64_t, const Shape&, int);       \
-    template void Hdf5File::write_rows<T>(const std::string&, int64_t, int64_t, const T*);        \
+#define TOILE_ELEMENT_TYPE(T)                                                                        \
+    template Array<T> Hdf5File::read<T>(const std::string&) const;                                   \
+    template Array<T> Hdf5File::read<T>(const std::string&, const Shape&) const;                     \
+    template Array<T> Hdf5File::read_rows<T>(const std::string&, int64_t, int64_t) const;            \
+    template void Hdf5File::write<T>(const std::string&, const T*, const Shape&, const Storage&);    \
+    template void Hdf5File::create_rows<T>(const std::string&, int64_t, const Shape&, int, int64_t); \
+    template void Hdf5File::write_rows<T>(const std::string&, int64_t, int64_t, const T*);           \
     template void Hdf5File::write_row<T>(const std::string&, int64_t, const T*);
 TOILE_ELEMENT_TYPE(float)
 TOILE_ELEMENT_TYPE(double)

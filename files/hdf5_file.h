@@ -80,10 +80,11 @@ class Hdf5File {
     }
     void write_strings(const std::string& dataset, const std::vector<std::string>& value);
 
-    /// A dataset of `rows` rows, each a chunk, that can grow; rows never written read as zero. Rows of one value (an
-    /// empty `row_shape`) share chunks.
+    /// A dataset of `rows` rows that can grow; rows never written read as zero. `rows_per_chunk` 0: each row is a
+    /// chunk, but rows of one value (an empty `row_shape`) share one.
     template <typename T>
-    void create_rows(const std::string& dataset, int64_t rows, const Shape& row_shape, int deflate);
+    void create_rows(const std::string& dataset, int64_t rows, const Shape& row_shape, int deflate,
+                     int64_t rows_per_chunk = 0);
     /// Writes one row, and extends the dataset to hold it.
     template <typename T>
     void write_row(const std::string& dataset, int64_t row, const T* value);

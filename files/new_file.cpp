@@ -20,7 +20,26 @@ namespace {
                                                                  : "choose a folder you may write to");
 }
 
+/// Returns an error number, or 0. Of a folder that can be written to but not read, and of files that cannot be synced,
+/// nothing more can be had.
+int sync(const std::string& path, int flags) {
+    const int descriptor = ::open(path.c_str(), flags | O_CLOEXEC);
+    if (descriptor < 0) return errno == EACCES ? 0 : errno;
+    const int error = ::fsync(descriptor) != 0 && errno != EINVAL && errno != ENOTSUP ? errno : 0;
+    ::close(descriptor);
+    return error;
+}
+
+std::string folder_of(const std::string& path) {
+    const size_t slash = path.rfind('/');
+    return slash == std::string::npos ? "." : path.substr(0, slash + 1);
+}
+
 }  // namespace
+
+void sync_folder_of(const std::string& path) {
+    if (const int error = sync(folder_of(path), O_RDONLY | O_DIRECTORY)) fail(error, path);
+}
 
 void write_text_file(const std::string& path, const std::string& text) {
     NewFile file(path);
@@ -89,8 +108,10 @@ void NewFile::sync() {
 }
 
 void NewFile::commit() {
+    if (const int error = sync(partial_, O_WRONLY)) fail(error, path_);
     if (std::rename(partial_.c_str(), path_.c_str()) != 0) fail(errno, path_);
     committed_ = true;
+    sync_folder_of(path_);
 }
 
 }  // namespace toile::files

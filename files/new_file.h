@@ -4,8 +4,8 @@
 
 namespace toile::files {
 
-/// A file that appears whole or not at all: it is written as `PATH.partial` and renamed to PATH by `commit`. Without a
-/// commit the partial file is removed.
+/// A file that appears whole or not at all, a power cut included: it is written as `PATH.partial`; `commit` syncs it,
+/// renames it to PATH and syncs the folder. Without a commit the partial file is removed.
 class NewFile {
   public:
     /// Throws Error where the folder is missing or not writable, or PATH is a folder.
@@ -16,9 +16,9 @@ class NewFile {
 
     const std::string& path() const { return path_; }        ///< the final name
     const std::string& partial() const { return partial_; }  ///< the name to write to until then
-    void commit();                                           ///< throws Error if the rename fails
-    void
-    sync();  ///< brings to the disk what others wrote to the partial file; throws Error where it does not get there
+    void commit();                                           ///< throws Error if the system refuses
+    /// Brings to the disk what others wrote to the partial file; throws Error where it does not get there.
+    void sync();
 
     /// Writes `size` bytes to the partial file, replacing what it held, and syncs it. Throws Error with the system's
     /// reason (full disk, no permission).
@@ -31,6 +31,10 @@ class NewFile {
 
 /// Writes a whole file of text. Throws Error with the system's reason.
 void write_text_file(const std::string& path, const std::string& text);
+
+/// Puts a file's entry in its folder on the disk: a file that was just made is there after a power cut. Throws Error
+/// with the system's reason.
+void sync_folder_of(const std::string& path);
 
 /// One line for what a failed system call left in errno: "the disk is full", "no permission to write here" ...
 std::string write_failure(int error_number);

@@ -66,7 +66,7 @@ struct XdmfWriter::Impl {
 void XdmfWriter::Impl::slab(const XdmfArray& array, int64_t row, int64_t rows, int64_t vertices) {
     const std::string columns = std::to_string(vertices) + " 3";
     open("DataItem", {{"ItemType", "HyperSlab"}, {"Dimensions", columns}});
-    // VTK takes a mesh to be that of the time before where the first thing in here is the same: it must not be a blank.
+    // VTK's reader tells by the first thing in here whether a mesh is still that of the time before: no blank, then.
     check(xmlTextWriterWriteComment(writer, xml((array.dataset + "[" + std::to_string(row) + "]").c_str())));
     item({{"Dimensions", "3 3"}, {"NumberType", "Int"}, {"Format", "XML"}},
          std::to_string(row) + " 0 0 1 1 1 1 " + columns);

@@ -15,7 +15,9 @@ void bind_dataset(ConfigTable& root, SceneConfig& config) {
             {.lower = 16, .upper = 4096, .unit = "pixels", .doc = "height and width; auto: the smallest"});
         image.size = size.value_or(0);
         table->real("max_error", image.max_error,
-                    {.lower = 0, .upper = 1, .above = true, .unit = "m", .doc = "that auto stays under"});
+                    {.lower = 0, .upper = 1, .above = true, .unit = "m", .doc = "that auto stays under, on its probe"});
+        table->integer("probe", image.probe,
+                       {.lower = 1, .upper = 1024, .doc = "poses, spread over all, that auto is chosen on"});
         table->choice<pattern::ImageLayout>(
             "layout", image.layout, {{"layers", pattern::ImageLayout::layers}, {"atlas", pattern::ImageLayout::atlas}},
             "each panel a layer of its own, or all side by side");
@@ -33,6 +35,7 @@ void bind_dataset(ConfigTable& root, SceneConfig& config) {
     if (config.body || root.has("output")) {
         ConfigTable table = root.section("output", "the files that are written");
         table.integer("compression", config.output.compression, {.lower = 0, .upper = 9, .doc = "gzip level"});
+        table.integer("part", config.output.part, {.lower = 1, .upper = 65536, .doc = "samples that a shard seals together"});
         table.integers("look", config.output.look, {.lower = 0, .doc = "pose numbers to write pictures of"});
     }
 }

@@ -20,7 +20,8 @@ std::string body_path(const std::string& xdmf) {
 
 /// `file` as an XDMF file at `xdmf` refers to it.
 std::string reference(const std::string& file, const std::string& xdmf) {
-    const std::string relative = fs::proximate(fs::canonical(file), fs::weakly_canonical(xdmf).parent_path()).string();
+    const std::string relative =
+        fs::proximate(fs::canonical(file), fs::weakly_canonical(fs::absolute(xdmf)).parent_path()).string();
     if (relative.find(':') != std::string::npos)
         throw Error("XDMF cannot refer to a file with a colon in its path", file, "rename it");
     return relative;

@@ -2,139 +2,21 @@
 
 #include <algorithm>
 #include <chrono>
-#include <memory>
-#include <optional>
+#include <filesystem>
 
 #include "cloth/error.h"
 #include "files/new_file.h"
-#include "generate/dataset_header.h"
-#include "generate/image_size.h"
-#include "generate/ordered_work.h"
+#include "generate/merge.h"
 #include "generate/output_folder.h"
-#include "generate/replay.h"
+#include "generate/shard_work.h"
 
 namespace toile::generate {
+
+namespace fs = std::filesystem;
+
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-/// One run: what its stages share.
-struct Run {
-    const GenerateOptions& options;
-    const DressedScene& dressed;
-    std::vector<int> split;  ///< `[N]`
-    ReplayFolder& replays;
-    GenerateSummary& summary;
-
-    int count() const { return static_cast<int>(dressed.scene.pose_number.size()); }
-};
-
-std::vector<int> split_samples(const DressedScene& dressed) {
-    const skin::PoseSplits splits = dressed.scene.poses->splits(dressed.scene.pose_number, dressed.scene.config.split);
-    std::vector<int> split;
-    for (const skin::Split one : splits.split) split.push_back(static_cast<int>(one));
-    return split;
-}
-
-void count_sample(const files::SampleRecord& record, const std::string& replay, GenerateSummary& summary) {
-    const files::CertificateRecord& c = record.certificate;
-    ++summary.samples;
-    summary.mean_drape_seconds += (c.seconds - summary.mean_drape_seconds) / summary.samples;
-    if (record.status != 0) {
-        const auto status = static_cast<simulate::DrapeStatus>(record.status);
-        summary.failed.push_back({record.id, std::string(simulate::status_reason(status)), replay});
-        return;
-    }
-    ++summary.accepted;
-    summary.climbed += c.detail && c.detail->tries > 1;
-    summary.worst_penetration = std::max(summary.worst_penetration, c.body_penetration);
-    summary.worst_stretch = std::max(summary.worst_stretch, c.max_stretch);
-    summary.worst_residual = std::max(summary.worst_residual, c.residual_force);
-}
-
-void report(const Run& run, std::string_view stage, int done) {
-    if (run.options.progress)
-        run.options.progress({stage, done, run.count(), static_cast<int>(run.summary.failed.size())});
-}
-
-files::SampleRecord drape_record(const Run& run, int index, std::unique_ptr<files::ReplayRecord>& replay) {
-    Sample sample = make_sample(run.dressed, run.dressed.scene.pose_number[index]);
-    replay = replay_record(run.dressed, sample);
-    return sample_record(std::move(sample), run.split[index]);
-}
-
-/// Error of reading an image back, over the accepted samples.
-void add_image(const pattern::PatternImage& image, files::SampleRecord& record, pattern::ResamplingError& error) {
-    record.image = image.image(record.displacement);
-    if (record.status == 0) error.add(record.displacement, image.read(record.image));
-}
-
-std::optional<std::array<double, 2>> image_error(const pattern::PatternImage* image,
-                                                 const std::vector<pattern::ResamplingError>& part,
-                                                 GenerateSummary& summary) {
-    if (!image) return std::nullopt;
-    pattern::ResamplingError sum;
-    for (const pattern::ResamplingError& one : part) {  // in index order: the sum does not depend on the threads
-        sum.largest = std::max(sum.largest, one.largest);
-        sum.squared_sum += one.squared_sum;
-        sum.count += one.count;
-    }
-    summary.image_width = summary.image_height = image->layout().size;
-    summary.image_channels = image->channels();
-    summary.image_error_max = sum.largest;
-    summary.image_error_rms = sum.count > 0 ? sum.root_mean_square() : 0.0;
-    return std::array<double, 2>{summary.image_error_max, summary.image_error_rms};
-}
-
-/// Drapes and rasterises in one go: without images, or where their size is given.
-void write_at_once(const Run& run, const std::string& path, const pattern::PatternImage* image) {
-    const int compression = run.dressed.scene.config.output.compression;
-    files::DatasetWriter writer(path, dataset_header(run.dressed, image), run.count(), compression);
-    std::vector<pattern::ResamplingError> error(static_cast<size_t>(run.count()));
-    std::vector<std::unique_ptr<files::ReplayRecord>> replay(static_cast<size_t>(run.count()));
-    report(run, "draping", 0);
-    make_in_order(
-        run.count(), run.options.jobs,
-        [&](int index) {
-            files::SampleRecord record = drape_record(run, index, replay[index]);
-            if (image) add_image(*image, record, error[index]);
-            return record;
-        },
-        [&](int index, files::SampleRecord record) {
-            count_sample(record, replay[index] ? run.replays.write(*replay[index]) : std::string(), run.summary);
-            replay[index].reset();
-            writer.write(index, std::move(record));
-            report(run, "draping", index + 1);
-        },
-        run.options.interrupted);
-    writer.finish(image_error(image, error, run.summary));
-}
-
-/// Drapes into a file without images, finds the image size that serves them all, and rasterises from there: any number
-/// of samples in bounded memory.
-void write_in_two_passes(const Run& run, const std::string& path, const std::string& drapes_path) {
-    write_at_once(run, drapes_path, nullptr);
-    const ScratchFile scratch(drapes_path), scratch_timing(files::timing_path(drapes_path));
-    const files::DatasetReader drapes(drapes_path);
-    const SceneConfig& config = run.dressed.scene.config;
-    const pattern::ImageOptions sized = fitting_image(run.dressed, drapes, run.summary.remarks);
-    const pattern::PatternImage image(run.dressed.mesh, run.dressed.scene.garment.triangle_panel, sized);
-    files::DatasetWriter writer(path, dataset_header(run.dressed, &image), run.count(), config.output.compression);
-    std::vector<pattern::ResamplingError> error(static_cast<size_t>(run.count()));
-    make_in_order(
-        run.count(), run.options.jobs,
-        [&](int index) {
-            files::SampleRecord record = drapes.read(index);
-            add_image(image, record, error[index]);
-            return record;
-        },
-        [&](int index, files::SampleRecord record) {
-            writer.write(index, std::move(record));
-            report(run, "rasterising", index + 1);
-        },
-        run.options.interrupted);
-    writer.finish(image_error(&image, error, run.summary));
-}
 
 void check_complete(const SceneConfig& config) {
     if (!config.body)
@@ -143,35 +25,146 @@ void check_complete(const SceneConfig& config) {
     if (!config.poses) throw Error("this scene has no [poses]: there is nothing to make samples of", config.file);
 }
 
+void check_shard(const ShardNumber& shard, const std::vector<ShardNumber>& there, const GenerateOptions& options) {
+    for (const ShardNumber& other : there) {
+        if (other.count != shard.count)
+            throw Error("this folder is divided into " + std::to_string(other.count) + " shards, not into " +
+                            std::to_string(shard.count),
+                        options.folder, "shards are counted as they were begun; or choose another --out");
+        if (other.index == shard.index && !options.resume)
+            throw Error("this shard was begun already", (fs::path(options.folder) / shard_folder_name(other)).string(),
+                        "--resume goes on with it");
+    }
+}
+
+/// Which shards this run is to fill, by what is in the folder.
+std::vector<ShardNumber> shards_to_fill(const GenerateOptions& options) {
+    const std::vector<ShardNumber> there = shards_in(options.folder);
+    const bool finished = fs::exists(fs::path(options.folder) / "dataset.h5");
+    if (finished && !options.resume)
+        throw Error("this folder holds a data set already", options.folder,
+                    "choose another --out; or --resume makes again what is missing or damaged");
+    if (options.shard) {
+        check_shard(*options.shard, there, options);
+        if (finished && there.empty())
+            throw Error("this folder holds a whole data set, not shards", options.folder, "choose another --out");
+        return {*options.shard};
+    }
+    if (there.empty()) return {{0, 1}};
+    if (!options.resume) throw Error("this folder holds unfinished work", options.folder, "--resume goes on with it");
+    if (there.front().count != there.back().count)
+        throw Error("this folder holds shards of " + std::to_string(there.front().count) + " and of " +
+                        std::to_string(there.back().count),
+                    options.folder, "remove those that were begun by mistake");
+    std::vector<ShardNumber> all;
+    for (int index = 0; index < there.front().count; ++index) all.push_back({index, there.front().count});
+    return all;
+}
+
+/// One run: what its stages share.
+struct Run {
+    const SceneConfig& config;
+    const GenerateOptions& options;
+    GenerateSummary& summary;
+    SampleTally tally = {};
+
+    std::string file(const std::string& name) const { return (fs::path(options.folder) / name).string(); }
+    PlanOptions plan_options() const {
+        return {options.jobs, options.memory_limit, options.progress, options.interrupted};
+    }
+};
+
+files::CorpusPlan planned(const Run& run) {
+    try {
+        return corpus_plan(run.config, run.options.folder, run.plan_options());
+    } catch (const Error&) {
+        // Nothing was made that could be gone on with, unless others are at work here.
+        if (!fs::exists(run.file("plan.h5")) && shards_in(run.options.folder).empty()) remove_plan(run.options.folder);
+        throw;
+    }
+}
+
+void write_config(const Run& run) {
+    if (!fs::exists(run.file("config.toml"))) files::write_text_file(run.file("config.toml"), run.config.absolute_text);
+}
+
+/// The samples of a data set that is whole but for damage go back into a shard, if any is damaged.
+void take_apart_if_damaged(Shard& shard, const std::string& dataset) {
+    if (shard.tally().samples == 0 && fs::exists(dataset)) shard.adopt(dataset);
+}
+
+void fill(Run& run, const files::CorpusPlan& plan, const std::vector<ShardNumber>& shards) {
+    const Shard::Options options{run.config.output.part, run.config.output.compression};
+    for (const ShardNumber& number : shards) {
+        Shard shard(run.options.folder, number, plan, options);
+        if (number.count == 1) take_apart_if_damaged(shard, run.summary.dataset);
+        fill_shard(shard, run.config, plan, run.options.folder, run.plan_options());
+        run.tally.add(shard.tally());
+        run.summary.remarks.insert(run.summary.remarks.end(), shard.remarks().begin(), shard.remarks().end());
+    }
+}
+
+/// Joins the shards of a whole corpus. One shard alone becomes a plain file and is no longer needed.
+void join(const Run& run, const std::vector<ShardNumber>& shards) {
+    MergeOptions options;
+    options.copy = shards.size() == 1;
+    options.progress = run.options.progress;
+    const MergeSummary merged = merge(run.options.folder, options);
+    if (!merged.missing.empty() || !merged.damaged.empty())
+        throw Error(std::to_string(merged.missing.size() + merged.damaged.size()) +
+                        " samples were made, but cannot be read again",
+                    run.options.folder, "--resume makes them once more");
+    if (shards.size() > 1) return;
+    fs::remove_all(run.file(shard_folder_name(shards.front())));
+    remove_plan(run.options.folder);
+}
+
+std::uint64_t bytes_on_disk(const std::string& dataset) {
+    if (!fs::is_directory(dataset)) return fs::file_size(dataset);
+    std::uint64_t bytes = 0;
+    for (const fs::directory_entry& entry : fs::directory_iterator(dataset)) bytes += entry.file_size();
+    return bytes;
+}
+
+void summarise(const Run& run, const files::CorpusPlan& plan) {
+    const SampleTally& tally = run.tally;
+    GenerateSummary& summary = run.summary;
+    summary.samples = static_cast<int>(tally.samples);
+    summary.accepted = static_cast<int>(tally.accepted);
+    summary.climbed = static_cast<int>(tally.climbed);
+    summary.failed = tally.failed;
+    std::sort(summary.failed.begin(), summary.failed.end(),
+              [](const FailedSample& a, const FailedSample& b) { return a.pose < b.pose; });
+    summary.vertices = plan.header.mesh.vertex_count();
+    summary.triangles = plan.header.mesh.triangle_count();
+    if (tally.samples > 0) summary.mean_drape_seconds = tally.drape_seconds / static_cast<double>(tally.samples);
+    summary.worst_penetration = tally.worst_penetration;
+    summary.worst_stretch = tally.worst_stretch;
+    summary.worst_residual = tally.worst_residual;
+    summary.bytes = bytes_on_disk(summary.dataset);
+    if (!plan.header.image) return;
+    summary.image_width = summary.image_height = plan.header.image->size;
+    summary.image_channels = 3 * plan.header.image->layers;
+    summary.image_error_max = tally.image_error_max;
+    summary.image_error_rms = tally.image_error_rms();
+}
+
 }  // namespace
 
 GenerateSummary generate(const SceneConfig& config, const GenerateOptions& options) {
     const auto start = Clock::now();
     check_complete(config);
-    const OutputFolder folder(options.folder);
+    const OutputFolder folder(options.folder, OutputFolder::For::results);
+    const std::vector<ShardNumber> shards = shards_to_fill(options);
     GenerateSummary summary;
-    summary.dataset = folder.file("dataset.h5");
-    files::NewFile config_copy(folder.file("config.toml"));
-    config_copy.write(config.absolute_text.data(), config.absolute_text.size());
-
-    if (options.progress) options.progress({"dressing the body in its neutral pose", 0, 0, 0});
-    const DressedScene dressed = dress(build_scene(config));
-    summary.remarks = dressed.scene.remarks;
-    summary.vertices = dressed.mesh.vertex_count();
-    summary.triangles = dressed.mesh.triangle_count();
-    ReplayFolder replays(folder);
-    const Run run{options, dressed, split_samples(dressed), replays, summary};
-    if (config.image && config.image->size == 0) {
-        write_in_two_passes(run, summary.dataset, folder.file("dataset.drapes.h5"));
-    } else {
-        std::unique_ptr<pattern::PatternImage> image;
-        if (config.image)
-            image = std::make_unique<pattern::PatternImage>(dressed.mesh, dressed.scene.garment.triangle_panel,
-                                                            *config.image);
-        write_at_once(run, summary.dataset, image.get());
-    }
-    config_copy.commit();
-    replays.keep();
+    Run run{config, options, summary};
+    summary.dataset = options.shard ? run.file(shard_folder_name(*options.shard)) : run.file("dataset.h5");
+    const files::CorpusPlan plan = planned(run);
+    summary.remarks = plan.remarks;
+    write_config(run);
+    fill(run, plan, shards);
+    if (!options.shard) join(run, shards);
+    summarise(run, plan);
     summary.seconds = std::chrono::duration<double>(Clock::now() - start).count();
     return summary;
 }

@@ -1,12 +1,12 @@
 #include "generate/replay.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 
 #include "cloth/error.h"
 #include "files/mesh_file.h"
 #include "generate/dataset_header.h"
+#include "generate/sample_tally.h"
 #include "generate/single.h"
 
 namespace toile::generate {
@@ -24,7 +24,7 @@ std::unique_ptr<files::ReplayRecord> replay_record(const DressedScene& dressed, 
     record->reason = simulate::status_reason(sample.status);
     record->mesh = dressed.scene.garment.mesh;
     record->pose = sample.pose;
-    record->start = dressed.neutral.position;
+    record->start = dressed.mesh.rest_position;
     record->cloth = sample.draped;
     record->certificate = certificate_record(sample.certificate);
     for (const simulate::TryRecord& one : sample.tries)
@@ -34,23 +34,12 @@ std::unique_ptr<files::ReplayRecord> replay_record(const DressedScene& dressed, 
     return record;
 }
 
-ReplayFolder::~ReplayFolder() {
-    if (written_.empty()) return;
-    std::error_code ignored;
-    for (const std::string& file : written_) fs::remove(file, ignored);
-    fs::remove(path_, ignored);  // refuses unless it is empty
-}
-
-std::string ReplayFolder::write(const files::ReplayRecord& record) {
+void write_replay_of(const std::string& folder, const files::ReplayRecord& record) {
+    const std::string path = replay_path(folder, record.id);
     std::error_code failure;
-    fs::create_directory(path_, failure);
-    if (failure) throw Error("the folder of replays cannot be made: " + failure.message(), path_);
-    char name[40];
-    std::snprintf(name, sizeof name, "pose_%06lld.h5", static_cast<long long>(record.id));
-    const std::string file = (fs::path(path_) / name).string();
-    written_.push_back(file);
-    files::write_replay(file, record);
-    return file;
+    fs::create_directory(fs::path(path).parent_path(), failure);
+    if (failure) throw Error("the folder of replays cannot be made: " + failure.message(), path);
+    files::write_replay(path, record);
 }
 
 Validation validate_replay(const std::string& path) {
@@ -62,6 +51,10 @@ Validation validate_replay(const std::string& path) {
         if (std::find(reasons.begin() + 1, reasons.end(), record.reason) == reasons.end())
             result.defect.push_back("/: the reason \"" + record.reason + "\" is not one a drape fails for");
         const auto tries = static_cast<int>(record.tries.size());
+        using simulate::DrapeStatus, simulate::status_reason;
+        if (record.reason == status_reason(DrapeStatus::crashed) ||
+            record.reason == status_reason(DrapeStatus::out_of_memory))
+            return result;  // its process ended before any try did
         if (tries == 0) result.defect.push_back("/replay/rung: there are none");
         if (record.certificate.detail && record.certificate.detail->tries != tries)
             result.defect.push_back("/certificate/tries[0]: says " + std::to_string(record.certificate.detail->tries) +

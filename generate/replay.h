@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "files/replay_file.h"
-#include "generate/output_folder.h"
 #include "generate/sample.h"
 #include "generate/validate.h"
 
@@ -14,23 +13,8 @@ namespace toile::generate {
 /// What is kept of a sample that failed, to run it again; null for one that was accepted.
 std::unique_ptr<files::ReplayRecord> replay_record(const DressedScene& dressed, const Sample& sample);
 
-/// The folder `replay` beside a data set. Made with the first replay; on destruction it and its files are removed again
-/// unless `keep` was called.
-class ReplayFolder {
-  public:
-    explicit ReplayFolder(const OutputFolder& folder) : path_(folder.file("replay")) {}
-    ~ReplayFolder();
-    ReplayFolder(const ReplayFolder&) = delete;
-    ReplayFolder& operator=(const ReplayFolder&) = delete;
-
-    /// Writes pose_000123.h5 and returns its path.
-    std::string write(const files::ReplayRecord& record);
-    void keep() { written_.clear(); }
-
-  private:
-    std::string path_;
-    std::vector<std::string> written_;
-};
+/// Writes `folder`/replay/pose_000123.h5, and makes the folder `replay` where it is not there.
+void write_replay_of(const std::string& folder, const files::ReplayRecord& record);
 
 /// Whether a replay can be read, names a reason, and its tries and certificate agree. It is not run.
 Validation validate_replay(const std::string& path);

@@ -7,7 +7,7 @@ Sample make_sample(const DressedScene& dressed, std::int64_t number) {
     Sample sample;
     sample.id = number;
     sample.pose = dressed.scene.poses->pose(number);
-    simulate::DrapeResult drape = dressed.draper->drape(dressed.neutral.position, sample.pose);
+    simulate::DrapeResult drape = dressed.draper->drape(dressed.mesh.rest_position, sample.pose);
     const Positions posed = skin::skin_positions(body, sample.pose, dressed.scene.config.body->skinning);
     // The displacement is taken between what will be stored, so that the identity holds for whoever reads the file.
     sample.embedded = pattern::rounded(pattern::carry(*dressed.embedding, body, sample.pose, posed));

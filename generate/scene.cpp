@@ -142,20 +142,27 @@ std::unique_ptr<simulate::Draper> make_draper(const Scene& scene) {
 }
 
 DressedScene dress(Scene scene) {
+    simulate::DrapeResult neutral = make_draper(scene)->drape_neutral();
+    const std::string reason(simulate::status_reason(neutral.status));
+    if (neutral.status == simulate::DrapeStatus::not_finite)
+        throw Error("the garment cannot be draped in the neutral pose: " + reason, scene.config.file,
+                    "check the material, and that the garment fits the body");
+    if (neutral.status != simulate::DrapeStatus::accepted)
+        scene.remarks.push_back("the drape in the neutral pose, where all others start, is itself not accepted: " +
+                                reason + "; toile simulate shows it and its certificate");
+    return dress_again(std::move(scene), neutral.position);
+}
+
+DressedScene dress_again(Scene scene, const Positions& neutral) {
+    if (neutral.rows() != scene.garment.mesh.vertex_count())
+        throw Error("the neutral drape has " + std::to_string(neutral.rows()) + " vertices, the garment " +
+                        std::to_string(scene.garment.mesh.vertex_count()),
+                    scene.config.file, "a file that the configuration names has changed: begin in another folder");
     DressedScene dressed;
     dressed.scene = std::move(scene);
     dressed.draper = make_draper(dressed.scene);
-    dressed.neutral = dressed.draper->drape_neutral();
-    const std::string reason(simulate::status_reason(dressed.neutral.status));
-    if (dressed.neutral.status == simulate::DrapeStatus::not_finite)
-        throw Error("the garment cannot be draped in the neutral pose: " + reason, dressed.scene.config.file,
-                    "check the material, and that the garment fits the body");
-    if (dressed.neutral.status != simulate::DrapeStatus::accepted)
-        dressed.scene.remarks.push_back(
-            "the drape in the neutral pose, where all others start, is itself not accepted: " + reason +
-            "; toile simulate shows it and its certificate");
     dressed.mesh = dressed.scene.garment.mesh;
-    dressed.mesh.rest_position = dressed.neutral.position;
+    dressed.mesh.rest_position = neutral;
     if (dressed.scene.body) dressed.embedding = pattern::embed(dressed.mesh, *dressed.scene.body);
     return dressed;
 }

@@ -37,13 +37,14 @@ std::unique_ptr<simulate::Draper> make_draper(const Scene& scene);
 struct DressedScene {
     Scene scene;
     std::unique_ptr<simulate::Draper> draper;
-    simulate::DrapeResult neutral;                ///< the drape all others start from
-    ClothMesh mesh;                               ///< the garment with the neutral drape as its rest position
+    ClothMesh mesh;  ///< the garment with the neutral drape, which all others start from, as its rest position
     std::optional<pattern::Embedding> embedding;  ///< where there is a body
 };
 
 /// Drapes the garment in the neutral pose and shrink-wraps it to the body. A neutral drape that is not accepted is a
 /// remark, as samples are judged on their own; one that is not finite is an Error.
 DressedScene dress(Scene scene);
+/// The same where the neutral drape `[V x 3]` [m] is known.
+DressedScene dress_again(Scene scene, const Positions& neutral);
 
 }  // namespace toile::generate

@@ -12,6 +12,7 @@ namespace toile::pattern {
 struct ImageOptions {
     int size = 0;               ///< height and width in pixels, 16 to 4096; 0 = the smallest under `max_error`
     double max_error = 0.0005;  ///< largest error of mesh -> image -> mesh over all vertices [m], above 0
+    int probe = 16;             ///< drapes that size = 0 is chosen on, 1 or more
     ImageLayout layout = ImageLayout::layers;
 };
 
@@ -69,7 +70,7 @@ struct AutoImageSize {
 
 /// The smallest of 32, 48, 64, 96 ... 1024 pixels at which no given displacement `[V x 3]` is read back with an error
 /// above `options.max_error`. The choice depends on the arguments alone, so that shards agree: give it what the
-/// configuration determines, the neutral drape's displacement and `fold_probe`.
+/// configuration determines.
 AutoImageSize auto_image_size(const ClothMesh& mesh, const std::vector<int>& triangle_panel,
                               const ImageOptions& options, const std::vector<Positions>& displacement);
 

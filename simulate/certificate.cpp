@@ -25,6 +25,10 @@ std::string_view status_reason(DrapeStatus status) {
             return "self_intersects";
         case DrapeStatus::body_intersects_itself:
             return "body_intersects_itself";
+        case DrapeStatus::crashed:
+            return "crashed";
+        case DrapeStatus::out_of_memory:
+            return "out_of_memory";
     }
     return "unknown";
 }

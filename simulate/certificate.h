@@ -49,8 +49,16 @@ enum class DrapeStatus {
     not_finite = 4,
     self_intersects = 5,
     body_intersects_itself = 6,  ///< not accepted, and the body's pose is the reason, see simulate/body_intersection.h
+    // The two below come from the process a drape ran in, never from a solver.
+    crashed = 7,        ///< the process died of it, twice
+    out_of_memory = 8,  ///< it needed more memory than there was, twice
 };
-inline constexpr int drape_status_count = 7;
+inline constexpr int drape_status_count = 9;
+
+/// Whether the sample has no cloth because its process ended; it may come out well where there is more memory.
+constexpr bool process_failed(DrapeStatus status) {
+    return status == DrapeStatus::crashed || status == DrapeStatus::out_of_memory;
+}
 
 std::string_view status_reason(DrapeStatus status);
 std::vector<std::string_view> status_reasons();  ///< index = status, for the attribute `reasons`

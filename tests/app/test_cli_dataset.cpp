@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <csignal>
+#include <cstdio>
 #include <fstream>
 
 #include "files/dataset_file.h"
@@ -48,6 +49,10 @@ TEST_F(CliDataset, RunWritesADatasetThatValidatesAndPictures) {
                                      "d/pose_0001.glb", "scene.toml"));
     const files::DatasetReader dataset(path("d/dataset.h5"));
     EXPECT_EQ(dataset.sample_count(), 2);
+    char a_sample[32];
+    std::snprintf(a_sample, sizeof a_sample, "%.1f kB a sample",
+                  1e-3 * static_cast<double>(bytes("d/dataset.h5").size()) / 2);
+    EXPECT_THAT(outcome.out, HasSubstr(a_sample));
     EXPECT_GT(dataset.read(0).certificate.seconds, 0.0);
     EXPECT_LE((*dataset.header().resampling_error)[0], 0.002);
     EXPECT_EQ(run("validate d/dataset.h5").status, 0);

@@ -7,66 +7,21 @@
 #include <fstream>
 #include <functional>
 #include <limits>
+#include <numeric>
 
 #include "cloth/error.h"
 #include "files/dataset_file.h"
 #include "tests/support/file_size_limit.h"
+#include "tests/support/one_triangle_dataset.h"
 
 namespace toile::files {
 namespace {
 
 using testing::HasSubstr;
 
-/// One triangle on a body of one triangle and two joints, with an image of 2 x 2 pixels.
-DatasetHeader header_of(bool with_body, bool with_image) {
-    DatasetHeader header;
-    header.mesh.triangle.resize(1, 3);
-    header.mesh.triangle << 0, 1, 2;
-    header.mesh.pattern_triangle = header.mesh.triangle;
-    header.mesh.rest_position.resize(3, 3);
-    header.mesh.rest_position << 0, 0, 0, 1, 0, 0, 0, 1, 0;
-    header.mesh.pattern_position = header.mesh.rest_position.leftCols<2>();
-    header.mesh.mass = Eigen::Vector3d(0.1, 0.2, 0.3);
-    header.config = "name = \"tiny\"\n";
-    header.config_hash = "0123456789abcdef0123456789abcdef";
-    header.program_version = "0.1.0";
-    header.seed = 42;
-    header.reasons = {"accepted", "not at rest"};
-    header.gate = {{"body_penetration", 0.001}, {"max_stretch", 1.3}};
-    header.duplicate_angle = 0.15;
-    if (!with_body) return header;
-    DatasetBody body;
-    body.triangle = header.mesh.triangle;
-    body.rest_position = header.mesh.rest_position;
-    body.joint_name = {"hip", "knee"};
-    body.joint_parent = {-1, 0};
-    body.joint_bind = {Eigen::Matrix4d::Identity(), Eigen::Matrix4d::Identity()};
-    body.joint_bind[1](0, 3) = 0.5;
-    body.weight_vertex = {0, 1, 2};
-    body.weight_joint = {0, 1, 0};
-    body.weight_value = {1, 1, 1};
-    header.body = body;
-    header.embedding = DatasetEmbedding{{0, 0, 0}, Positions::Identity(3, 3)};
-    if (with_image) header.image = DatasetImage{2, 1, Positions::Zero(3, 3), {1, 1, 0, 1}};
-    return header;
-}
-
-SampleRecord sample_of(const DatasetHeader& header, int slot) {
-    SampleRecord sample;
-    sample.id = 100 + slot;
-    sample.split = slot % 3;
-    sample.status = slot % 2;
-    sample.cloth = Positions::Constant(3, 3, 0.25 + slot);
-    sample.certificate = {1e-4, 2e-4, 1.125, 0.875, 1e-3, 0.5 + slot, slot};
-    if (header.body) sample.pose = Positions::Constant(2, 3, 0.1 * slot);
-    if (header.embedding) {
-        sample.embedded = Positions::Constant(3, 3, 0.5 + slot);
-        sample.displacement = Positions::Constant(3, 3, -0.25);
-        sample.frame.assign(3, Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5));
-    }
-    if (header.image) sample.image.assign(12, 0.125f * static_cast<float>(slot));
-    return sample;
-}
+using test::expect_same;
+using test::header_of;
+using test::sample_of;
 
 std::string bytes_of(const std::string& path) {
     std::ifstream stream(path, std::ios::binary);
@@ -95,26 +50,10 @@ class DatasetFileTest : public testing::Test {
     void write(const std::string& name, const DatasetHeader& header, const std::vector<int>& order) const {
         DatasetWriter writer(path(name), header, static_cast<int>(order.size()), 4);
         for (const int slot : order) writer.write(slot, sample_of(header, slot));
-        writer.finish(std::array<double, 2>{2e-4, 1e-5});
+        writer.finish();
     }
     std::filesystem::path folder_;
 };
-
-void expect_same(const SampleRecord& a, const SampleRecord& b) {
-    EXPECT_EQ(a.id, b.id);
-    EXPECT_EQ(a.split, b.split);
-    EXPECT_EQ(a.status, b.status);
-    EXPECT_EQ(a.pose, b.pose);
-    EXPECT_EQ(a.cloth, b.cloth);
-    EXPECT_EQ(a.embedded, b.embedded);
-    EXPECT_EQ(a.displacement, b.displacement);
-    ASSERT_EQ(a.frame.size(), b.frame.size());
-    for (size_t v = 0; v < a.frame.size(); ++v) EXPECT_EQ(a.frame[v].coeffs(), b.frame[v].coeffs());
-    EXPECT_EQ(a.image, b.image);
-    EXPECT_EQ(a.certificate.self_intersections, b.certificate.self_intersections);
-    EXPECT_EQ(a.certificate.max_stretch, b.certificate.max_stretch);
-    EXPECT_EQ(a.certificate.seconds, b.certificate.seconds);
-}
 
 TEST_F(DatasetFileTest, ReadsBackWhatItWrote) {
     const DatasetHeader header = header_of(true, true);
@@ -131,7 +70,7 @@ TEST_F(DatasetFileTest, ReadsBackWhatItWrote) {
     EXPECT_EQ(reader.header().reasons, header.reasons);
     EXPECT_EQ(reader.header().gate, header.gate);
     EXPECT_EQ(reader.header().seed, 42);
-    EXPECT_EQ(*reader.header().resampling_error, (std::array<double, 2>{2e-4, 1e-5}));
+    EXPECT_FALSE(reader.part());
     for (int slot = 0; slot < 4; ++slot) {
         expect_same(reader.read(slot), sample_of(header, slot));
         EXPECT_EQ(reader.stored_digest(slot), sample_digest(sample_of(header, slot)));
@@ -175,7 +114,8 @@ TEST_F(DatasetFileTest, HoldsTheContractsNamesAndTypes) {
         {"/certificate/min_stretch", "float64", {2}},
         {"/certificate/max_speed", "float64", {2}},
         {"/certificate/seconds", "float64", {2}},
-        {"/samples/digest", "uint8", {2, 16}}};
+        {"/samples/digest", "uint8", {2, 16}},
+        {"/samples/resampling_error", "float64", {2, 2}}};
     for (const auto& [name, type, shape] : expected) {
         ASSERT_TRUE(file.has(name)) << name;
         EXPECT_EQ(file.type_name(name), type) << name;
@@ -216,7 +156,7 @@ TEST_F(DatasetFileTest, WallTimeIsReadThroughALinkAndChangesNoByteOfTheDataset) 
         EXPECT_EQ(sample_digest(sample), sample_digest(sample_of(header, slot)));
         writer.write(slot, sample);
     }
-    writer.finish(std::array<double, 2>{2e-4, 1e-5});
+    writer.finish();
     EXPECT_TRUE(bytes_of(path("a/dataset.h5")) == bytes_of(path("b/dataset.h5")));
     EXPECT_EQ(DatasetReader(path("a/dataset.h5")).read(1).certificate.seconds, 1.5);
     EXPECT_EQ(DatasetReader(path("b/dataset.h5")).read(1).certificate.seconds, 3.0);
@@ -225,6 +165,69 @@ TEST_F(DatasetFileTest, WallTimeIsReadThroughALinkAndChangesNoByteOfTheDataset) 
 
     std::filesystem::remove(timing_path(path("b/dataset.h5")));
     EXPECT_TRUE(std::isnan(DatasetReader(path("b/dataset.h5")).read(1).certificate.seconds));
+}
+
+TEST_F(DatasetFileTest, TheResamplingErrorIsGatheredFromTheAcceptedSamples) {
+    write("dataset.h5", header_of(true, true), {0, 1, 2, 3});  // 1 and 3 failed
+    const std::array<double, 2> error = *DatasetReader(path()).header().resampling_error;
+    EXPECT_DOUBLE_EQ(error[0], 3e-4);
+    EXPECT_DOUBLE_EQ(error[1], 1e-5 * std::sqrt((1.0 + 9.0) / 2));
+    EXPECT_EQ(Hdf5File::open(path()).numbers_attribute("/", "resampling_error"),
+              (std::vector<double>{error[0], error[1]}));
+
+    Hdf5File before = Hdf5File::edit(path());  // data sets made before it was kept for each sample
+    before.remove("/samples/resampling_error");
+    before.close();
+    EXPECT_EQ(DatasetReader(path()).read(2).resampling_error, (std::array<double, 2>{0, 0}));
+    EXPECT_EQ(*DatasetReader(path()).header().resampling_error, error);
+}
+
+TEST_F(DatasetFileTest, APartHoldsItsSecondsAndItsPlace) {
+    const DatasetHeader header = header_of(true, true);
+    const auto write_part = [&](double seconds) {
+        DatasetWriter writer(path(), header, 2, 4, CorpusPart{3, 16, 512, 4096});
+        for (int slot = 0; slot < 2; ++slot) {
+            SampleRecord sample = sample_of(header, slot);
+            sample.certificate.seconds = seconds + slot;
+            writer.write(slot, sample);
+        }
+        writer.finish();
+    };
+    write_part(7.0);
+    EXPECT_FALSE(std::filesystem::exists(timing_path(path())));
+    const DatasetReader reader(path());
+    EXPECT_EQ(reader.read(1).certificate.seconds, 8.0);
+    ASSERT_TRUE(reader.part());
+    EXPECT_EQ(reader.part()->shard, 3);
+    EXPECT_EQ(reader.part()->shards, 16);
+    EXPECT_EQ(reader.part()->first_slot, 512);
+    EXPECT_EQ(reader.part()->corpus_samples, 4096);
+}
+
+TEST_F(DatasetFileTest, ManySamplesAndNone) {
+    const DatasetHeader header = header_of(false, false);
+    std::vector<int> order(9000);
+    std::iota(order.begin(), order.end(), 0);
+    write("many.h5", header, order);
+    const DatasetReader many(path("many.h5"));
+    ASSERT_EQ(many.sample_count(), 9000);
+    for (const int slot : {0, 4095, 4096, 8191, 8192, 8999}) {
+        expect_same(many.read(slot), sample_of(header, slot));
+        EXPECT_EQ(many.stored_digest(slot), sample_digest(sample_of(header, slot)));
+    }
+    write("none.h5", header, {});
+    EXPECT_EQ(DatasetReader(path("none.h5")).sample_count(), 0);
+    EXPECT_EQ(DatasetReader(path("none.h5")).header().gate, header.gate);
+}
+
+TEST_F(DatasetFileTest, RefusesCertificatesOfTwoKinds) {
+    const DatasetHeader header = header_of(false, false);
+    DatasetWriter writer(path(), header, 2, 4);
+    SampleRecord detailed = sample_of(header, 0);
+    detailed.certificate.detail.emplace();
+    writer.write(0, detailed);
+    writer.write(1, sample_of(header, 1));
+    EXPECT_THAT(message_of([&] { writer.finish(); }), HasSubstr("detailed certificate"));
 }
 
 TEST_F(DatasetFileTest, DigestSeesEveryArray) {
@@ -256,7 +259,7 @@ TEST_F(DatasetFileTest, FailedSamplesAreKeptAsTheyEnded) {
     sample.image[3] = std::numeric_limits<float>::quiet_NaN();
     DatasetWriter writer(path(), header, 1, 4);
     writer.write(0, sample);
-    writer.finish(std::array<double, 2>{0, 0});
+    writer.finish();
     const DatasetReader reader(path());
     EXPECT_TRUE(std::isnan(reader.read(0).cloth(1, 1)));
     EXPECT_EQ(reader.read(0).status, 1);
@@ -269,7 +272,7 @@ TEST_F(DatasetFileTest, NothingIsLeftWithoutFinish) {
         DatasetWriter writer(path(), header, 2, 4);
         writer.write(0, sample_of(header, 0));
         EXPECT_FALSE(std::filesystem::exists(path()));
-        EXPECT_THAT(message_of([&] { writer.finish(std::array<double, 2>{0, 0}); }), HasSubstr("slot 1 of 2"));
+        EXPECT_THAT(message_of([&] { writer.finish(); }), HasSubstr("slot 1 of 2"));
     }
     EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }

@@ -140,9 +140,16 @@ TEST_F(Hdf5FileTest, EmptyDatasetsAndSingleValues) {
 }
 
 TEST_F(Hdf5FileTest, SameCallsGiveSameBytes) {
-    const std::string first = bytes_of(valid("first.h5"));
+    const auto linked = [&](const std::string& name) {
+        Hdf5File file = Hdf5File::create(path(name));
+        file.link("/group/of/a/link", "other.h5", "/x");
+        file.close();
+        return bytes_of(path(name));
+    };
+    const std::string first = bytes_of(valid("first.h5")), first_linked = linked("first_linked.h5");
     std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // a timestamp would have moved on
     EXPECT_EQ(first, bytes_of(valid("again.h5")));
+    EXPECT_TRUE(first_linked == linked("again_linked.h5"));
 }
 
 TEST_F(Hdf5FileTest, RefusesWrongTypesAndShapes) {

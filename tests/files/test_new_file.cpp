@@ -1,5 +1,7 @@
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -9,6 +11,33 @@
 #include "cloth/error.h"
 #include "files/new_file.h"
 #include "tests/support/file_size_limit.h"
+
+namespace {
+
+/// What was asked of the disk: "sync a.txt.partial", "rename a.txt.partial a.txt" ...
+std::vector<std::string>* disk_calls = nullptr;
+
+void note(const std::string& call) {
+    if (disk_calls) disk_calls->push_back(call);
+}
+
+std::string last_name(const std::filesystem::path& path) {
+    return path.filename().string();
+}
+
+}  // namespace
+
+// These stand before the C library's in this program.
+extern "C" int fsync(int descriptor) {
+    std::error_code failure;
+    note("sync " + last_name(std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(descriptor), failure)));
+    return static_cast<int>(syscall(SYS_fsync, descriptor));
+}
+
+extern "C" int rename(const char* from, const char* to) noexcept {
+    note("rename " + last_name(from) + " " + last_name(to));
+    return static_cast<int>(syscall(SYS_renameat2, AT_FDCWD, from, AT_FDCWD, to, 0));
+}
 
 namespace toile::files {
 namespace {
@@ -35,6 +64,25 @@ TEST_F(NewFileTest, AppearsWholeAtTheCommit) {
     file.commit();
     EXPECT_EQ(text_of(path()), "new text");
     EXPECT_FALSE(std::filesystem::exists(file.partial()));
+}
+
+TEST_F(NewFileTest, ACommitSurvivesAPowerCut) {
+    NewFile file(path());
+    std::ofstream(file.partial()) << "by another hand";  // as HDF5 writes to it
+    std::vector<std::string> calls;
+    disk_calls = &calls;
+    file.commit();
+    disk_calls = nullptr;
+    EXPECT_THAT(calls, testing::ElementsAre("sync a.txt.partial", "rename a.txt.partial a.txt",
+                                            "sync " + folder_.filename().string()));
+}
+
+TEST_F(NewFileTest, AFileBesideTheProgramIsCommittedToo) {
+    const std::filesystem::path before = std::filesystem::current_path();
+    std::filesystem::current_path(folder_);
+    write_text_file("a.txt", "text");
+    std::filesystem::current_path(before);
+    EXPECT_EQ(text_of(path()), "text");
 }
 
 TEST_F(NewFileTest, LeavesNothingWithoutACommit) {

@@ -94,7 +94,6 @@ void TinyDataset::write(const std::string& path) const {
     files::DatasetHeader header = shared_part(mesh, embedding, stored, image);
     change_header(header);
     files::DatasetWriter writer(path, header, samples, 4);
-    pattern::ResamplingError error;
     for (int slot = 0; slot < samples; ++slot) {
         files::SampleRecord sample;
         sample.id = 10 + slot;
@@ -108,7 +107,9 @@ void TinyDataset::write(const std::string& path) const {
         sample.displacement = neutral + 0.1 * pattern::fold_probe(mesh.rest_position);
         sample.cloth = pattern::displaced(carried, sample.displacement);
         sample.image = image.image(sample.displacement);
+        pattern::ResamplingError error;
         error.add(sample.displacement, image.read(sample.image));
+        sample.resampling_error = {error.largest, error.root_mean_square()};
         const auto stretch = simulate::stretch_range(topology, rest_length, sample.cloth);
         sample.certificate.residual_force = 1e-4;
         sample.certificate.body_penetration = simulate::body_penetration(body.triangle, posed, sample.cloth);
@@ -120,7 +121,7 @@ void TinyDataset::write(const std::string& path) const {
         change_sample(slot, sample);
         writer.write(slot, sample);
     }
-    writer.finish(std::array<double, 2>{error.largest, error.root_mean_square()});
+    writer.finish();
 }
 
 }  // namespace toile::generate

@@ -13,6 +13,10 @@ TEST(Certificate, EveryStatusHasItsOwnReason) {
     for (size_t i = 0; i < reasons.size(); ++i)
         for (size_t j = 0; j < i; ++j) EXPECT_NE(reasons[i], reasons[j]);
     EXPECT_EQ(reasons[0], "accepted");
+    EXPECT_EQ(reasons[7], "crashed");
+    EXPECT_EQ(reasons[8], "out_of_memory");
+    for (int status = 0; status < drape_status_count; ++status)
+        EXPECT_EQ(process_failed(static_cast<DrapeStatus>(status)), status >= 7);
 }
 
 TEST(Certificate, RestLengthIsTheMeanOverPanels) {
