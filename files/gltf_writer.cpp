@@ -233,7 +233,6 @@ void GltfWriter::commit() {
         throw Error("cannot write the file: " + write_failure(errno != 0 ? errno : EIO), impl.file.path(),
                     "make room, or write to another disk");
     stream.close();
-    impl.file.sync();
     impl.file.commit();
 }
 

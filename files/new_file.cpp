@@ -99,14 +99,6 @@ void NewFile::write(const void* data, size_t size) {
     if (error != 0) fail(error, path_);
 }
 
-void NewFile::sync() {
-    const int descriptor = ::open(partial_.c_str(), O_WRONLY | O_CLOEXEC);
-    if (descriptor < 0) fail(errno, path_);
-    int error = ::fsync(descriptor) != 0 && errno != EINVAL ? errno : 0;
-    if (::close(descriptor) != 0 && error == 0) error = errno;
-    if (error != 0) fail(error, path_);
-}
-
 void NewFile::commit() {
     if (const int error = sync(partial_, O_WRONLY)) fail(error, path_);
     if (std::rename(partial_.c_str(), path_.c_str()) != 0) fail(errno, path_);

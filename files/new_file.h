@@ -17,8 +17,6 @@ class NewFile {
     const std::string& path() const { return path_; }        ///< the final name
     const std::string& partial() const { return partial_; }  ///< the name to write to until then
     void commit();                                           ///< throws Error if the system refuses
-    /// Brings to the disk what others wrote to the partial file; throws Error where it does not get there.
-    void sync();
 
     /// Writes `size` bytes to the partial file, replacing what it held, and syncs it. Throws Error with the system's
     /// reason (full disk, no permission).

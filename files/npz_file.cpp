@@ -150,7 +150,6 @@ void NpzWriter::commit() {
     impl_->end_array();
     zipFile zip = std::exchange(impl_->zip, nullptr);
     impl_->check(zipClose(zip, nullptr));
-    impl_->file.sync();
     impl_->file.commit();
 }
 

@@ -44,7 +44,6 @@ void PointCacheWriter::append(const Positions& position) {
 void PointCacheWriter::commit() {
     if (missing_ != 0) throw std::logic_error("a PC2 file lacks samples");
     stream_.close();
-    file_.sync();
     file_.commit();
 }
 

@@ -122,7 +122,6 @@ void XdmfWriter::commit() {
     impl_->check(xmlTextWriterFlush(impl_->writer));
     impl_->stream.close();
     impl_->check(0);
-    impl_->file.sync();
     impl_->file.commit();
 }
 
