@@ -57,7 +57,9 @@ void in_a_child(const std::string& what, const PlanOptions& options, const files
             };
         },
         [&](const WorkResult& result) {
-            if (result.failure) throw Error("the process that was " + what + " ended early: " + result.detail);
+            if (result.failure)
+                throw Error("the process that was " + what + " ended early: " + result.detail, {},
+                            "toile simulate shows the drape in the neutral pose; see --memory-limit too");
         },
         {});
 }
@@ -66,9 +68,10 @@ void write_dressed(const SceneConfig& config, const std::string& path) {
     const DressedScene dressed = dress(build_scene(config));
     files::CorpusPlan plan;
     plan.pose_number = dressed.scene.pose_number;
-    for (const skin::Split split : dressed.scene.poses->splits(plan.pose_number, config.split).split)
-        plan.split.push_back(static_cast<int>(split));
+    const skin::PoseSplits splits = dressed.scene.poses->splits(plan.pose_number, config.split);
+    for (const skin::Split split : splits.split) plan.split.push_back(static_cast<int>(split));
     plan.remarks = dressed.scene.remarks;
+    for (std::string& remark : skin::split_remarks(splits, config.split)) plan.remarks.push_back(std::move(remark));
     const bool sized = config.image && config.image->size > 0;
     std::unique_ptr<pattern::PatternImage> image;
     if (sized)
@@ -125,8 +128,17 @@ void drape_probe(const SceneConfig& config, const std::string& folder, const fil
         {});
 }
 
+files::CorpusPlan readable_plan(const std::string& path) {
+    try {
+        return files::read_plan(path);
+    } catch (const Error& error) {
+        throw Error(std::string("the plan of this corpus cannot be read: ") + error.what(), path,
+                    "remove it: --resume works it out again, to the same");
+    }
+}
+
 files::CorpusPlan usable_plan(const SceneConfig& config, const std::string& path) {
-    files::CorpusPlan plan = files::read_plan(path);
+    files::CorpusPlan plan = readable_plan(path);
     check_owner(plan, config, path);
     return plan;
 }

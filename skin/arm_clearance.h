@@ -51,6 +51,11 @@ class ClearedPoses : public PoseSource {
     ClearedPoses(std::unique_ptr<PoseSource> source, const Body& body, SkinningMethod method, double gap);
     std::int64_t count() const override { return source_->count(); }
     Pose pose(std::int64_t number) const override { return clearance_.clear(source_->pose(number)); }
+    using PoseSource::splits;
+    /// Those of the source's own poses: turning arms takes some milliseconds a pose.
+    PoseSplits splits(const std::vector<std::int64_t>& number, const SplitOptions& options) const override {
+        return source_->splits(number, options);
+    }
 
   private:
     std::unique_ptr<PoseSource> source_;

@@ -1,23 +1,17 @@
 #include "skin/pose_split.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
-#include <string>
+#include <numeric>
+#include <utility>
 
 #include "cloth/error.h"
-#include "skin/pose_cluster.h"
 
 namespace toile::skin {
 namespace {
 
-struct Cluster {
-    std::int64_t size = 0;
-    std::int64_t name = 0;   ///< the smallest pose number in it
-    std::uint64_t hash = 0;  ///< of seed and name: its place in the queue
-    Split split = Split::train;
-};
+constexpr int largest_block = 4096;
+constexpr const char* split_name[3] = {"train", "validation", "test"};
 
 /// SplitMix64 (Steele et al. 2014): a permutation of the 64-bit words that mixes every bit.
 std::uint64_t mixed(std::uint64_t word) {
@@ -39,98 +33,67 @@ void check_options(const SplitOptions& options) {
     check("duplicate_angle", options.duplicate_angle, M_PI);
 }
 
-/// Clusters in the order of their hashes.
-std::vector<Cluster> queue(const std::vector<int>& label, const std::vector<std::int64_t>& number, std::uint64_t seed) {
-    std::map<int, Cluster> by_label;
-    for (std::size_t k = 0; k < label.size(); ++k) {
-        Cluster& cluster = by_label[label[k]];
-        cluster.name = cluster.size == 0 ? number[k] : std::min(cluster.name, number[k]);
-        ++cluster.size;
-    }
-    std::vector<Cluster> cluster;
-    for (auto& entry : by_label) {
-        entry.second.hash = mixed(mixed(seed) ^ static_cast<std::uint64_t>(entry.second.name));
-        cluster.push_back(entry.second);
-    }
-    std::sort(cluster.begin(), cluster.end(), [](const Cluster& a, const Cluster& b) { return a.hash < b.hash; });
-    return cluster;
-}
-
-/// Moves clusters from train to `split` while that brings its size nearer to `wanted`: first, in the order of the
-/// queue, those that fit; then the one that comes nearest to what is missing.
-void fill(std::vector<Cluster>& cluster, Split split, double wanted) {
-    double missing = wanted;
-    for (Cluster& c : cluster)
-        if (c.split == Split::train && static_cast<double>(c.size) <= missing + 1e-9) {
-            c.split = split;
-            missing -= static_cast<double>(c.size);
-        }
-    Cluster* best = nullptr;
-    double error = missing;
-    for (Cluster& c : cluster)
-        if (c.split == Split::train && std::abs(static_cast<double>(c.size) - missing) < error) {
-            best = &c;
-            error = std::abs(static_cast<double>(c.size) - missing);
-        }
-    if (best) best->split = split;
-}
-
-/// Gives an empty split the smallest cluster of a split that has more than one.
-void ensure_one(std::vector<Cluster>& cluster, Split split) {
-    std::array<int, 3> clusters = {0, 0, 0};
-    for (const Cluster& c : cluster) ++clusters[static_cast<int>(c.split)];
-    if (clusters[static_cast<int>(split)] > 0) return;
-    Cluster* smallest = nullptr;
-    for (Cluster& c : cluster)
-        if (clusters[static_cast<int>(c.split)] > 1 && (!smallest || c.size < smallest->size)) smallest = &c;
-    if (smallest) smallest->split = split;
-}
-
-/// Fewer clusters than splits: the largest is for training, the next for testing.
-void assign_few(std::vector<Cluster>& cluster, const std::vector<Split>& wanted) {
-    std::vector<Cluster*> by_size;
-    for (Cluster& c : cluster) by_size.push_back(&c);
-    std::stable_sort(by_size.begin(), by_size.end(),
-                     [](const Cluster* a, const Cluster* b) { return a->size > b->size; });
-    for (std::size_t i = 0; i < by_size.size(); ++i) by_size[i]->split = wanted[i];
-}
-
-/// Meets the shares as well as whole clusters can, with no split left empty that has a positive share.
-void assign(std::vector<Cluster>& cluster, double poses, const SplitOptions& options) {
-    std::vector<Split> wanted;
-    if (1 - options.validation_share - options.test_share > 1e-9) wanted.push_back(Split::train);
-    if (options.test_share > 0) wanted.push_back(Split::test);
-    if (options.validation_share > 0) wanted.push_back(Split::validation);
-    if (cluster.size() < wanted.size()) return assign_few(cluster, wanted);
-    fill(cluster, Split::test, options.test_share * poses);
-    fill(cluster, Split::validation, options.validation_share * poses);
-    for (const Split split : wanted) ensure_one(cluster, split);
+/// So many evenly spaced places that the smallest share cannot fall between two of them.
+int places_for(const SplitOptions& options) {
+    double smallest = 1;
+    for (const double share :
+         {options.validation_share, options.test_share, 1 - options.validation_share - options.test_share})
+        if (share > 1e-9) smallest = std::min(smallest, share);
+    return static_cast<int>(std::min<double>(std::ceil(1 / smallest - 1e-9), largest_block));
 }
 
 }  // namespace
 
-PoseSplits split_poses(const std::vector<Pose>& pose, const std::vector<std::int64_t>& number,
-                       const SplitOptions& options) {
+SplitSequence::SplitSequence(const SplitOptions& options) : options_(options) {
     check_options(options);
-    if (number.size() != pose.size()) throw Error("there are more pose numbers than poses, or fewer");
-    const std::vector<int> label = cluster_poses(pose, options.duplicate_angle);
-    std::vector<Cluster> cluster = queue(label, number, options.seed);
-    assign(cluster, static_cast<double>(pose.size()), options);
+    block_size_ = places_for(options);
+}
 
-    PoseSplits splits;
-    splits.clusters = static_cast<int>(cluster.size());
-    std::map<std::int64_t, Split> by_name;
-    for (const Cluster& c : cluster) {
-        by_name[c.name] = c.split;
-        splits.largest_cluster = std::max(splits.largest_cluster, static_cast<int>(c.size));
+Split SplitSequence::at(double place) const {
+    if (place >= 1 - options_.test_share) return Split::test;
+    return place >= 1 - options_.test_share - options_.validation_share ? Split::validation : Split::train;
+}
+
+void SplitSequence::deal(std::int64_t block) {
+    // Offsets of successive blocks follow the golden ratio, so that shares no block can meet alone are met by many.
+    const std::uint64_t turn = mixed(options_.seed) + static_cast<std::uint64_t>(block) * 0x9E3779B97F4A7C15u;
+    const double offset = static_cast<double>(turn >> 11) * 0x1p-53;
+    std::vector<std::pair<std::uint64_t, int>> card(block_size_);
+    const std::uint64_t key = mixed(mixed(options_.seed + 1) ^ static_cast<std::uint64_t>(block));
+    for (int i = 0; i < block_size_; ++i) card[i] = {mixed(key + static_cast<std::uint64_t>(i)), i};
+    std::sort(card.begin(), card.end());
+    split_.resize(block_size_);
+    for (int i = 0; i < block_size_; ++i) split_[i] = at((card[i].second + offset) / block_size_);
+    if (block == 0) {
+        const auto trains = std::find(split_.begin(), split_.end(), Split::train);
+        if (trains != split_.end()) std::iter_swap(split_.begin(), trains);
     }
-    std::map<int, std::int64_t> name;
-    for (std::size_t k = 0; k < pose.size(); ++k) {
-        const auto [entry, first] = name.emplace(label[k], number[k]);
-        if (!first) entry->second = std::min(entry->second, number[k]);
-    }
-    for (const int l : label) splits.split.push_back(by_name.at(name.at(l)));
-    return splits;
+    dealt_ = block;
+}
+
+Split SplitSequence::operator()(std::int64_t group) {
+    const std::int64_t block = group / block_size_;
+    if (block != dealt_) deal(block);
+    return split_[static_cast<std::size_t>(group % block_size_)];
+}
+
+std::vector<std::string> split_remarks(const PoseSplits& splits, const SplitOptions& options) {
+    const double share[3] = {1 - options.validation_share - options.test_share, options.validation_share,
+                             options.test_share};
+    std::string empty;
+    for (int s = 0; s < 3; ++s)
+        if (share[s] > 1e-9 && splits.size[s] == 0) empty += std::string(empty.empty() ? "" : " and ") + split_name[s];
+    std::vector<std::string> remarks;
+    if (!empty.empty())
+        remarks.push_back("no sample is for " + empty + ": the poses make " + std::to_string(splits.groups) +
+                          (splits.groups == 1 ? " group" : " groups") + " of near-duplicates, the largest of " +
+                          std::to_string(splits.largest) + " (split.duplicate_angle)");
+    if (splits.conflicts > 0)
+        remarks.push_back(std::to_string(splits.conflicts) + " poses, the first number " +
+                          std::to_string(splits.first) +
+                          ", are nearly those of samples in another split: they lie closer to each other than "
+                          "split.duplicate_angle can keep apart");
+    return remarks;
 }
 
 }  // namespace toile::skin
