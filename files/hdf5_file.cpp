@@ -67,6 +67,7 @@ Hdf5File Hdf5File::open(const std::string& path) {
     if (!is_trial && !has_checksums(path))
         try_reading(path, [&] {
             is_trial = true;
+            Session::start_in_child();
             return open(path);
         });
     auto impl = std::make_unique<Impl>();
