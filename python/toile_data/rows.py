@@ -1,8 +1,8 @@
 """Rows of a dataset, also of one that is put together from many files.
 
-`toile merge` joins shards by virtual datasets: a list of which rows lie in which file. HDF5 reads these, but takes a part
-that is missing or damaged for zeros without a word, and keeps every part open that it ever read. So rows are looked up in
-that list and read from their part here.
+`toile merge` joins shards by virtual datasets: a list of which rows lie in which file. HDF5 reads these, but fills
+in for a part that is missing or damaged without a word, and keeps every part open that it ever read. So rows are looked up
+in that list and read from their part here.
 """
 
 from __future__ import annotations
