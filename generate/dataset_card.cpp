@@ -25,7 +25,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* split_name[3] = {"train", "validation", "test"};
-constexpr int listed = 10;  // pose numbers of a reason
+constexpr int listed = 10;   // pose numbers of a reason
+constexpr size_t shown = 8;  // samples, where there are as many
 
 /// The data set's columns.
 struct Columns {
@@ -276,11 +277,12 @@ bool write_sheet(Card& card, const std::string& path) {
 
 std::vector<int> card_slots(const std::vector<int>& split, const std::vector<int>& status,
                             const std::vector<double>& max_stretch, const std::vector<double>& body_penetration) {
-    std::vector<int> of[3], slot;
+    std::vector<int> of[3], all, slot;
     int stretched = -1, deepest = -1;
     for (int i = 0; i < static_cast<int>(split.size()); ++i) {
         if (status[i] != 0 || split[i] < 0 || split[i] > 2) continue;
         of[split[i]].push_back(i);
+        all.push_back(i);
         if (stretched < 0 || max_stretch[i] > max_stretch[stretched]) stretched = i;
         if (deepest < 0 || body_penetration[i] > body_penetration[deepest]) deepest = i;
     }
@@ -293,6 +295,10 @@ std::vector<int> card_slots(const std::vector<int>& split, const std::vector<int
     }
     add(stretched);
     add(deepest);
+    for (size_t i = 0; i < all.size() && slot.size() < shown; ++i)
+        add(all[(2 * i + 1) * all.size() / shown / 2 % all.size()]);
+    for (size_t i = 0; i < all.size() && slot.size() < shown; ++i) add(all[i]);
+    std::sort(slot.begin(), slot.end());
     return slot;
 }
 

@@ -19,8 +19,8 @@ struct CardOptions {
 /// Returns the paths written. Throws Error where the data set cannot be read or the files not be written.
 std::vector<std::string> write_card(const std::string& dataset, const CardOptions& options = {});
 
-/// The samples a card shows: of each split the first and one from the middle, among the accepted, and of those the
-/// worst by stretch and by penetration. Slots, in no particular order.
+/// The samples a card shows, of the accepted ones: of each split the first and one from the middle, the worst by
+/// stretch and by penetration, and others to make eight. Slots, in order.
 std::vector<int> card_slots(const std::vector<int>& split, const std::vector<int>& status,
                             const std::vector<double>& max_stretch, const std::vector<double>& body_penetration);
 

@@ -13,10 +13,10 @@ constexpr int fineness = 3;  // rays along each side of a pixel
 
 /// Colours and depths at `fineness` times the picture's resolution.
 struct Canvas {
-    Canvas(int w, int h)
+    Canvas(int w, int h, const Color& ground)
         : width(w),
           height(h),
-          color(static_cast<size_t>(w) * h, Color{1, 1, 1}),
+          color(static_cast<size_t>(w) * h, ground),
           depth(static_cast<size_t>(w) * h, -std::numeric_limits<double>::infinity()) {}
     int width, height;
     std::vector<Color> color;
@@ -80,7 +80,7 @@ void draw(Canvas& canvas, const RenderedSurface& surface, const FrontView& view)
 }  // namespace
 
 files::Picture render(const std::vector<RenderedSurface>& surface, const FrontView& view) {
-    Canvas canvas(fineness * view.width, fineness * view.height);
+    Canvas canvas(fineness * view.width, fineness * view.height, view.ground);
     for (const RenderedSurface& one : surface) draw(canvas, one, view);
     files::Picture picture = blank_picture(view.width, view.height);
     for (int y = 0; y < view.height; ++y)

@@ -19,11 +19,12 @@ struct RenderedSurface {
 /// What the picture shows: seen from +z along -z, x to the right, y up, without perspective.
 struct FrontView {
     Eigen::Vector2d centre{0, 0};  ///< x and y in the middle of the picture [m]
+    Color ground{1, 1, 1};
     double metres_per_pixel = 0.002;
     int width = 240, height = 320;  ///< [pixels]
 };
 
-/// Draws surfaces on white with a depth buffer and soft light from above the viewer; edges are smoothed.
+/// Draws surfaces on the ground's colour with a depth buffer and soft light from above the viewer; edges are smoothed.
 files::Picture render(const std::vector<RenderedSurface>& surface, const FrontView& view);
 
 }  // namespace toile::generate

@@ -87,6 +87,7 @@ FrontView common_view(const std::vector<Scene>& scene) {
     FrontView view;
     view.width = tile_width;
     view.height = tile_height;
+    view.ground = {0.90, 0.91, 0.93};  // white cloth is seen against it
     view.centre = box.center();
     view.metres_per_pixel = 1.35 * std::max(box.sizes().x() / tile_width, box.sizes().y() / tile_height);
     return view;

@@ -157,7 +157,18 @@ TEST(DatasetCardSlots, PicksSplitsAndTheWorst) {
     //                         0    1    2    3    4    5    6    7
     const std::vector<int> split{0, 0, 0, 1, 0, 2, 0, 1}, status{0, 0, 0, 0, 0, 0, 0, 1};
     const std::vector<double> stretch{1, 1.2, 1, 1, 1, 1, 1, 9}, depth{0, 0, 0, 0, 0, 0, 1e-5, 9};
-    EXPECT_EQ(card_slots(split, status, stretch, depth), (std::vector<int>{0, 2, 3, 5, 1, 6}));
+    EXPECT_EQ(card_slots(split, status, stretch, depth), (std::vector<int>{0, 1, 2, 3, 4, 5, 6}));
+    // Of many, few: the first and middle of each split, the worst, and some between.
+    std::vector<int> many(1000, 0), good(1000, 0);
+    std::vector<double> even(1000, 1.0), deep(1000, 0.0);
+    many[10] = 1;
+    many[20] = 2;
+    even[777] = 1.1;
+    deep[333] = 1e-5;
+    const std::vector<int> slot = card_slots(many, good, even, deep);
+    EXPECT_EQ(slot.size(), 8u);
+    for (const int wanted : {0, 10, 20, 333, 501, 777})
+        EXPECT_TRUE(std::binary_search(slot.begin(), slot.end(), wanted));
     EXPECT_TRUE(card_slots({0}, {1}, {1}, {0}).empty());
 }
 
