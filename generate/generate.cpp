@@ -7,6 +7,7 @@
 #include "cloth/error.h"
 #include "files/file_lock.h"
 #include "files/new_file.h"
+#include "generate/dataset_card.h"
 #include "generate/merge.h"
 #include "generate/ordered_work.h"
 #include "generate/output_folder.h"
@@ -161,6 +162,7 @@ void make(Run& run, const std::vector<ShardNumber>& shards) {
     fill(run, plan, shards);
     if (!run.options.shard) join(run, shards);
     summarise(run, plan);
+    if (!run.options.shard) write_card(run.summary.dataset, {run.options.command, run.summary.remarks});
 }
 
 }  // namespace
