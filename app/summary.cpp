@@ -58,6 +58,12 @@ void print_look(const std::vector<std::string>& path) {
     for (const std::string& one : path) say("  look at          {}", one);
 }
 
+void print_export(const generate::ExportSummary& s) {
+    for (const std::string& path : s.path) say("{}", path);
+    say("  samples          {}, {:.1f} MB", s.samples, 1e-6 * static_cast<double>(s.bytes));
+    if (s.not_finite > 0) say("  left out         {} failed samples that are not finite", s.not_finite);
+}
+
 void print_validation(const generate::Validation& validation) {
     if (validation.defect.empty())
         say("  valid            {} samples checked, {} accepted", validation.samples, validation.accepted);

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "cloth/error.h"
+#include "files/file_lock.h"
 #include "files/new_file.h"
 #include "generate/merge.h"
 #include "generate/ordered_work.h"
@@ -85,7 +86,9 @@ files::CorpusPlan planned(const Run& run) {
     }
 }
 
+/// Shards that waited for the plan together come here together, and would write under the same passing name.
 void write_config(const Run& run) {
+    const files::FileLock lock = files::FileLock::take(run.file("plan.lock"));
     if (!fs::exists(run.file("config.toml"))) files::write_text_file(run.file("config.toml"), run.config.absolute_text);
 }
 

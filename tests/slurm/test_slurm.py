@@ -148,6 +148,8 @@ class CorpusUnderSlurm(unittest.TestCase):
         self.assertIn("exit status 137", self.shard_log(1))
         self.assertEqual(self.shard_log(3).count("start "), 1, "the task was to outlive its node's daemon")
         self.assertIn("back into the queue", self.shard_log(4))
+        status = subprocess.run([self.toile, "status", self.folder], capture_output=True, text=True).stdout
+        self.assertIn(f"{SHARDS} finished", status)
         self.expect_single_runs_bytes()
 
     def test_preemption(self):
