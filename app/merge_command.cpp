@@ -25,7 +25,7 @@ constexpr int many_parts = 500;
 
 void print_merge(const generate::MergeSummary& s, const std::string& folder, bool copy) {
     say("{}", s.dataset.empty() ? folder : s.dataset);
-    say("  samples          {} of {} parts in {} shards, {} accepted{}", s.samples, s.parts, s.shards, s.accepted,
+    say("  samples          {} from {} parts in {} shards, {} accepted{}", s.samples, s.parts, s.shards, s.accepted,
         copy || s.dataset.empty() ? "" : "; they stay in the shards");
     std::map<std::string, std::vector<std::int64_t>> pose;
     for (const generate::FailedSample& one : s.failed) pose[one.reason].push_back(one.pose);

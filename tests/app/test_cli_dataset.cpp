@@ -177,6 +177,11 @@ TEST_F(CliDataset, ShardsHoldTheSamplesOfASingleRun) {
     }
     ASSERT_EQ(run("generate scene.toml --out d --resume").status, 0) << "joins what is complete";
     EXPECT_EQ(run("validate d/dataset.h5").status, 0);
+    EXPECT_EQ(run("merge d").status, 0);
+    EXPECT_EQ(run("validate d/dataset.h5").status, 0) << "what refers to the shards";
+    EXPECT_EQ(run("merge d --copy").status, 0);
+    EXPECT_TRUE(bytes("d/dataset.h5") == bytes("whole/dataset.h5"));
+    EXPECT_THAT(run("status d").out, HasSubstr("2: 2 finished"));
 }
 
 TEST_F(CliDataset, ADamagedSampleOfAFinishedDatasetIsMadeAgain) {
