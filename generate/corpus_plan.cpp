@@ -57,7 +57,9 @@ void in_a_child(const std::string& what, const PlanOptions& options, const files
             };
         },
         [&](const WorkResult& result) {
-            if (result.failure) throw Error("the process that was " + what + " ended early: " + result.detail);
+            if (result.failure)
+                throw Error("the process that was " + what + " ended early: " + result.detail, {},
+                            "toile simulate shows the drape in the neutral pose; see --memory-limit too");
         },
         {});
 }

@@ -7,6 +7,7 @@
 #include "cloth/error.h"
 #include "files/new_file.h"
 #include "generate/merge.h"
+#include "generate/ordered_work.h"
 #include "generate/output_folder.h"
 #include "generate/shard_work.h"
 
@@ -149,6 +150,15 @@ void summarise(const Run& run, const files::CorpusPlan& plan) {
     summary.image_error_rms = tally.image_error_rms();
 }
 
+void make(Run& run, const std::vector<ShardNumber>& shards) {
+    const files::CorpusPlan plan = planned(run);
+    run.summary.remarks = plan.remarks;
+    write_config(run);
+    fill(run, plan, shards);
+    if (!run.options.shard) join(run, shards);
+    summarise(run, plan);
+}
+
 }  // namespace
 
 GenerateSummary generate(const SceneConfig& config, const GenerateOptions& options) {
@@ -159,12 +169,11 @@ GenerateSummary generate(const SceneConfig& config, const GenerateOptions& optio
     GenerateSummary summary;
     Run run{config, options, summary};
     summary.dataset = options.shard ? run.file(shard_folder_name(*options.shard)) : run.file("dataset.h5");
-    const files::CorpusPlan plan = planned(run);
-    summary.remarks = plan.remarks;
-    write_config(run);
-    fill(run, plan, shards);
-    if (!options.shard) join(run, shards);
-    summarise(run, plan);
+    try {
+        make(run, shards);
+    } catch (const Interrupted&) {
+        throw Interrupted("interrupted: what was made is kept, and --resume goes on with it");
+    }
     summary.seconds = std::chrono::duration<double>(Clock::now() - start).count();
     return summary;
 }

@@ -59,7 +59,7 @@ struct GarmentConfig {
 
 /// [output]
 struct OutputConfig {
-    int compression = 4;                ///< gzip level, 0 to 9
+    int compression = 3;                ///< gzip level, 0 to 9; docs/corpus.md has what each costs
     int part = 256;                     ///< samples of a shard that are sealed together
     std::vector<int> look = {0, 1, 2};  ///< pose numbers to write pictures of
 };

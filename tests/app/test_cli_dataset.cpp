@@ -10,8 +10,11 @@
 namespace toile::app {
 namespace {
 
+using ::testing::AnyOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// Two poses of a coarse T-shirt: everything the pipeline does, at the smallest size.
 const char* const scene = R"([scene]
@@ -114,10 +117,49 @@ TEST_F(CliDataset, AFullDiskLeavesNothing) {
     expect_refused("generate scene.toml --out d", "", "ulimit -f 40;");
 }
 
-TEST_F(CliDataset, AnInterruptLeavesNothing) {
-    const Outcome outcome = run("generate scene.toml --out d --set poses.count=200", "timeout --signal=INT 12");
-    EXPECT_THAT(outcome.err, HasSubstr("toile: interrupted"));
-    EXPECT_THAT(files(), ElementsAre("scene.toml"));
+TEST_F(CliDataset, AnInterruptLosesNothingThatWasMade) {
+    ASSERT_EQ(run("generate scene.toml --out whole").status, 0);
+    const Outcome outcome = run("generate scene.toml --out d", "timeout --signal=INT 2");
+    EXPECT_THAT(outcome.err, AnyOf(HasSubstr("toile: interrupted"), HasSubstr("draping 2/2")));
+    ASSERT_EQ(run("generate scene.toml --out d --resume").status, 0);
+    EXPECT_TRUE(bytes("whole/dataset.h5") == bytes("d/dataset.h5"));
+    EXPECT_THAT(files(), Not(Contains(HasSubstr("shard_"))));
+}
+
+TEST_F(CliDataset, ShardsHoldTheSamplesOfASingleRun) {
+    ASSERT_EQ(run("generate scene.toml --out whole").status, 0);
+    ASSERT_EQ(run("generate scene.toml --out d --shard 1/2").status, 0);
+    expect_refused("generate scene.toml --out d --shard 1/2", "was begun already");
+    expect_refused("generate scene.toml --out d --shard 0/3", "2 shards");
+    expect_refused("generate scene.toml --out d", "unfinished work");
+    expect_refused("generate scene.toml --out d --shard 0/2 --set scene.seed=5", "another configuration");
+    expect_refused("generate scene.toml --out d --shard 2/2", "0 to N - 1");
+    expect_refused("generate scene.toml --out d --shard half", "I/N");
+    ASSERT_EQ(run("generate scene.toml --out d --shard 0/2 --resume").status, 0) << "also where nothing is";
+    const files::DatasetReader whole(path("whole/dataset.h5"));
+    for (int slot = 0; slot < 2; ++slot) {
+        const files::DatasetReader part(path("d/shard_0000" + std::to_string(slot) + "_of_00002/part_00000.h5"));
+        EXPECT_EQ(part.stored_digest(0), whole.stored_digest(slot));
+        EXPECT_EQ(files::sample_digest(part.read(0)), files::sample_digest(whole.read(slot)));
+        EXPECT_EQ(part.part()->first_slot, slot);
+    }
+    ASSERT_EQ(run("generate scene.toml --out d --resume").status, 0) << "joins what is complete";
+    EXPECT_EQ(run("validate d/dataset.h5").status, 0);
+}
+
+TEST_F(CliDataset, ADamagedSampleOfAFinishedDatasetIsMadeAgain) {
+    ASSERT_EQ(run("generate scene.toml --out d").status, 0);
+    const std::string whole = bytes("d/dataset.h5");
+    files::Hdf5File file = files::Hdf5File::edit(path("d/dataset.h5"));
+    std::vector<float> cloth = file.read<float>("/samples/cloth").value;
+    cloth[0] += 1e-3f;
+    file.write_rows("/samples/cloth", 0, 1, cloth.data());
+    file.close();
+    EXPECT_THAT(run("validate d/dataset.h5").out, HasSubstr("/samples/digest[0]"));
+    const Outcome outcome = run("generate scene.toml --out d --resume");
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("pose 0 in"));
+    EXPECT_TRUE(bytes("d/dataset.h5") == whole);
 }
 
 }  // namespace
