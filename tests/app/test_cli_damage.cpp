@@ -97,8 +97,8 @@ TEST_F(CliDamage, ADamagedSampleIsNamed) {
     const std::string part = shard + std::string("/part_00000.h5");
     {
         files::Hdf5File file = files::Hdf5File::edit(path(part));
-        std::vector<double> value(3, 0.0625);
-        file.overwrite("/certificate/max_speed", value.data());
+        file.remove("/certificate/max_speed");
+        file.write("/certificate/max_speed", std::vector<double>(3, 0.0625), {3});
         file.close();
     }
     const Outcome outcome = expect_shard_mended();
