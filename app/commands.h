@@ -11,6 +11,8 @@ using Work = std::function<int()>;
 // One a command: declares its flags on `program`, and stores its work in `chosen` when the command line names it.
 void add_run_command(CLI::App& program, Work& chosen);
 void add_generate_command(CLI::App& program, Work& chosen);
+void add_merge_command(CLI::App& program, Work& chosen);
+void add_status_command(CLI::App& program, Work& chosen);
 void add_skin_command(CLI::App& program, Work& chosen);
 void add_simulate_command(CLI::App& program, Work& chosen);
 void add_project_command(CLI::App& program, Work& chosen);

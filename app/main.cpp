@@ -18,6 +18,8 @@ int parse(int argc, char** argv, toile::app::Work& chosen) {
     program.footer("toile COMMAND --help explains each command.\n\n  toile run configs/quick.toml --out out/quick");
     toile::app::add_run_command(program, chosen);
     toile::app::add_generate_command(program, chosen);
+    toile::app::add_merge_command(program, chosen);
+    toile::app::add_status_command(program, chosen);
     toile::app::add_skin_command(program, chosen);
     toile::app::add_simulate_command(program, chosen);
     toile::app::add_project_command(program, chosen);

@@ -119,7 +119,7 @@ def make_under_slurm(toile, folder, count):
         tasks = [f"{array}_{shard}" for shard in range(SHARDS)]
 
         def main_process(shard):
-            found = slurm.processes(toile, "generate", folder, f"--shard {shard}/{SHARDS}")
+            found = slurm.processes("generate", folder, f"--shard {shard}/{SHARDS}")
             return min(found, default=0)
 
         def at_work(shard):
@@ -132,6 +132,8 @@ def make_under_slurm(toile, folder, count):
         cluster.kill(at_work(1))
         at_work(2)
         slurm.run("scontrol", "requeue", f"{array}_2")
+        for task in tasks[1:3]:  # an order to end a task that the daemon did not get would reach the task's next start
+            slurm.wait_for_state(task, "PENDING", "RUNNING")
         at_work(4)
         slurm.kill_node_daemon()
         slurm.start_node()

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <type_traits>
+#include <utility>
 
 #include "cloth/error.h"
 
@@ -56,14 +57,28 @@ std::string dataset(const std::string& name) {
     return "/certificate/" + name;
 }
 
+/// Values of several samples, by name.
+struct Columns {
+    std::map<std::string, std::vector<double>> real;
+    std::map<std::string, std::vector<int>> whole;
+
+    template <class Value>
+    auto& of() {
+        if constexpr (std::is_same_v<Value, int>)
+            return whole;
+        else
+            return real;
+    }
+};
+
 /// One value a sample.
 template <class Value>
-Value value_of(const Hdf5File& file, const std::string& name, int slot) {
-    const Array<Value> array = file.read_rows<Value>(name, slot, 1);
+std::vector<Value> column_of(const Hdf5File& file, const std::string& name, int64_t first, int64_t count) {
+    Array<Value> array = file.read_rows<Value>(name, first, count);
     if (array.shape.size() != 1)
         throw Error(name + " has shape " + shape_text(array.shape) + ", not one value a sample",
                     file.path() + ":" + name);
-    return array.value[0];
+    return std::move(array.value);
 }
 
 }  // namespace
@@ -78,29 +93,16 @@ void create_certificates(Hdf5File& file, int64_t count, bool detailed) {
 }
 
 void write_certificate_rows(Hdf5File& file, int64_t first, const std::vector<CertificateRecord>& certificate) {
-    struct Column {
-        std::vector<double> real;
-        std::vector<int> number;
-    };
-    std::map<std::string, Column> column;
+    Columns column;
     const bool detailed = file.has(dataset("tries"));
     for (const CertificateRecord& one : certificate) {
         if (one.detail.has_value() != detailed)
             throw Error("some samples have a detailed certificate and some have not", file.path());
-        for_each_value(one, [&](const char* name, auto value) {
-            if constexpr (std::is_same_v<decltype(value), int>)
-                column[name].number.push_back(value);
-            else
-                column[name].real.push_back(value);
-        });
+        for_each_value(one, [&](const char* name, auto value) { column.of<decltype(value)>()[name].push_back(value); });
     }
     const auto count = static_cast<int64_t>(certificate.size());
-    for (const auto& [name, one] : column) {
-        if (one.real.empty())
-            file.write_rows(dataset(name), first, count, one.number.data());
-        else
-            file.write_rows(dataset(name), first, count, one.real.data());
-    }
+    for (const auto& [name, value] : column.real) file.write_rows(dataset(name), first, count, value.data());
+    for (const auto& [name, value] : column.whole) file.write_rows(dataset(name), first, count, value.data());
 }
 
 void write_certificates(Hdf5File& file, const std::vector<CertificateRecord>& certificate) {
@@ -109,17 +111,34 @@ void write_certificates(Hdf5File& file, const std::vector<CertificateRecord>& ce
     write_certificate_rows(file, 0, certificate);
 }
 
-CertificateRecord read_certificate(const Hdf5File& file, int slot) {
-    CertificateRecord record;
-    const auto read = [&](const char* key, auto& value) {
-        value = value_of<std::decay_t<decltype(value)>>(file, dataset(key), slot);
+std::vector<CertificateRecord> read_certificates(const Hdf5File& file, int64_t first, int64_t count) {
+    const bool detailed = file.has(dataset("tries")), rungs = detailed && file.has(dataset("rung_0_status"));
+    const auto for_each_stored = [&](CertificateRecord& record, const auto& visit) {
+        for_each_contracted(record, visit);
+        if (detailed) for_each_detail(*record.detail, visit);
+        if (rungs) for_each_rung(*record.detail, visit);
     };
-    for_each_contracted(record, read);
-    if (file.has(dataset("tries"))) for_each_detail(record.detail.emplace(), read);
-    if (record.detail && file.has(dataset("rung_0_status"))) for_each_rung(*record.detail, read);
-    record.seconds = file.has(dataset("seconds")) ? value_of<double>(file, dataset("seconds"), slot)
-                                                  : std::numeric_limits<double>::quiet_NaN();
-    return record;
+    CertificateRecord record;
+    if (detailed) record.detail.emplace();
+    std::vector<CertificateRecord> all(static_cast<size_t>(count), record);
+    Columns column;
+    for_each_stored(record, [&](const char* name, auto& member) {
+        using Value = std::decay_t<decltype(member)>;
+        column.of<Value>()[name] = column_of<Value>(file, dataset(name), first, count);
+    });
+    std::vector<double> seconds(all.size(), std::numeric_limits<double>::quiet_NaN());
+    if (file.has(dataset("seconds"))) seconds = column_of<double>(file, dataset("seconds"), first, count);
+    for (size_t i = 0; i < all.size(); ++i) {
+        for_each_stored(all[i], [&](const char* name, auto& member) {
+            member = column.of<std::decay_t<decltype(member)>>()[name][i];
+        });
+        all[i].seconds = seconds[i];
+    }
+    return all;
+}
+
+CertificateRecord read_certificate(const Hdf5File& file, int slot) {
+    return read_certificates(file, slot, 1).front();
 }
 
 std::string certificate_bytes(const CertificateRecord& certificate) {

@@ -34,6 +34,7 @@ void write_certificate_rows(Hdf5File& file, int64_t first, const std::vector<Cer
 /// The certificate of sample `slot`; `seconds` is NaN where the file does not have it. Throws Error for what is missing
 /// or has another type or shape.
 CertificateRecord read_certificate(const Hdf5File& file, int slot);
+std::vector<CertificateRecord> read_certificates(const Hdf5File& file, int64_t first, int64_t count);
 
 /// The bytes a sample's digest takes from its certificate.
 std::string certificate_bytes(const CertificateRecord& certificate);

@@ -132,6 +132,10 @@ class DatasetReader {
     int sample_count() const { return sample_count_; }
     SampleRecord read(int slot) const;
     Digest stored_digest(int slot) const;
+    /// Samples [first, first + count): what is a value or a few for each, then the arrays of one.
+    std::vector<SampleRecord> read_columns(int first, int count) const;
+    std::vector<Digest> stored_digests(int first, int count) const;
+    void read_arrays(int slot, SampleRecord& sample) const;
     const Hdf5File& file() const { return file_; }
 
   private:

@@ -73,6 +73,36 @@ DatasetImage read_image_group(const Hdf5File& file, int64_t pattern_positions) {
     return image;
 }
 
+template <typename Rows>
+bool same(const Rows& a, const Rows& b) {
+    return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
+}
+
+bool same_mesh(const ClothMesh& a, const ClothMesh& b) {
+    return same(a.triangle, b.triangle) && same(a.rest_position, b.rest_position) &&
+           same(a.pattern_position, b.pattern_position) && same(a.pattern_triangle, b.pattern_triangle) &&
+           same(a.mass, b.mass);
+}
+
+bool same_body(const std::optional<DatasetBody>& a, const std::optional<DatasetBody>& b) {
+    if (!a || !b) return !a && !b;
+    return same(a->triangle, b->triangle) && same(a->rest_position, b->rest_position) &&
+           a->joint_name == b->joint_name && a->joint_parent == b->joint_parent && a->joint_bind == b->joint_bind &&
+           a->weight_vertex == b->weight_vertex && a->weight_joint == b->weight_joint &&
+           a->weight_value == b->weight_value;
+}
+
+bool same_embedding(const std::optional<DatasetEmbedding>& a, const std::optional<DatasetEmbedding>& b) {
+    if (!a || !b) return !a && !b;
+    return a->triangle == b->triangle && same(a->barycentric, b->barycentric);
+}
+
+bool same_image(const std::optional<DatasetImage>& a, const std::optional<DatasetImage>& b) {
+    if (!a || !b) return !a && !b;
+    return a->size == b->size && a->layers == b->layers && a->mask == b->mask &&
+           same(a->pattern_pixel, b->pattern_pixel);
+}
+
 }  // namespace
 
 void write_dataset_header(Hdf5File& file, const DatasetHeader& header, int deflate) {
@@ -126,6 +156,20 @@ DatasetHeader read_dataset_header(const Hdf5File& file) {
         header.resampling_error = {error[0], error[1]};
     }
     return header;
+}
+
+std::string header_difference(const DatasetHeader& a, const DatasetHeader& b) {
+    if (a.config_hash != b.config_hash || a.config != b.config) return "configuration";
+    if (a.program_version != b.program_version) return "program version";
+    if (a.seed != b.seed) return "seed";
+    if (a.reasons != b.reasons) return "list of reasons";
+    if (a.gate != b.gate) return "gate";
+    if (a.duplicate_angle != b.duplicate_angle) return "duplicate_angle";
+    if (!same_mesh(a.mesh, b.mesh)) return "/mesh";
+    if (!same_body(a.body, b.body)) return "/body";
+    if (!same_embedding(a.embedding, b.embedding)) return "/embedding";
+    if (!same_image(a.image, b.image)) return "/image";
+    return {};
 }
 
 void write_part(Hdf5File& file, const CorpusPart& part) {

@@ -13,23 +13,12 @@
 namespace toile::files {
 namespace {
 
-int64_t element_count(const Shape& shape) {
-    return std::accumulate(shape.begin(), shape.end(), int64_t{1}, std::multiplies<>());
-}
-
 std::vector<hsize_t> sizes(const Shape& shape) {
     return {shape.begin(), shape.end()};
 }
 
-Handle dataspace(const Shape& shape) {
-    if (shape.empty()) return Handle(H5Screate(H5S_SCALAR), H5Sclose);
-    return Handle(H5Screate_simple(static_cast<int>(shape.size()), sizes(shape).data(), nullptr), H5Sclose);
-}
-
-/// No timestamps: the bytes of a file depend on its content alone.
 Handle dataset_creation(const Shape& chunk, int deflate) {
-    Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-    H5Pset_obj_track_times(list, false);
+    Handle list = untimed_dataset();
     if (chunk.empty()) return list;
     H5Pset_chunk(list, static_cast<int>(chunk.size()), sizes(chunk).data());
     if (deflate > 0) {
@@ -38,24 +27,6 @@ Handle dataset_creation(const Shape& chunk, int deflate) {
     }
     H5Pset_fletcher32(list);
     return list;
-}
-
-/// Makes the groups above `name`; those that HDF5 makes by itself would carry timestamps.
-void make_groups(hid_t file, const std::string& name) {
-    for (size_t end = name.find('/', 1); end != std::string::npos; end = name.find('/', end + 1)) {
-        const std::string group = name.substr(0, end);
-        if (H5Lexists(file, group.c_str(), H5P_DEFAULT) > 0) continue;
-        const Handle list(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
-        H5Pset_obj_track_times(list, false);
-        const Handle made(H5Gcreate2(file, group.c_str(), H5P_DEFAULT, list, H5P_DEFAULT), H5Gclose);
-    }
-}
-
-/// Refuses to allocate what a damaged header asks for.
-void check_memory(int64_t count, size_t width) {
-    const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-    if (count < 0 || static_cast<double>(count) * static_cast<double>(width) > memory)
-        throw Error("it claims to hold " + std::to_string(count) + " values, more than the memory can");
 }
 
 template <typename T>
@@ -105,6 +76,29 @@ auto located(const std::string& where, const Task& task) {
     }
 }
 
+}  // namespace
+
+Handle dataspace(const Shape& shape) {
+    if (shape.empty()) return Handle(H5Screate(H5S_SCALAR), H5Sclose);
+    return Handle(H5Screate_simple(static_cast<int>(shape.size()), sizes(shape).data(), nullptr), H5Sclose);
+}
+
+Handle untimed_dataset() {
+    Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_obj_track_times(list, false);
+    return list;
+}
+
+void make_groups(hid_t file, const std::string& name) {
+    for (size_t end = name.find('/', 1); end != std::string::npos; end = name.find('/', end + 1)) {
+        const std::string group = name.substr(0, end);
+        if (H5Lexists(file, group.c_str(), H5P_DEFAULT) > 0) continue;
+        const Handle list(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
+        H5Pset_obj_track_times(list, false);
+        const Handle made(H5Gcreate2(file, group.c_str(), H5P_DEFAULT, list, H5P_DEFAULT), H5Gclose);
+    }
+}
+
 void select_rows(hid_t space, const Shape& shape, int64_t first, int64_t count) {
     std::vector<hsize_t> start(shape.size(), 0);
     std::vector<hsize_t> size = sizes(shape);
@@ -113,7 +107,20 @@ void select_rows(hid_t space, const Shape& shape, int64_t first, int64_t count) 
     H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, size.data(), nullptr);
 }
 
-}  // namespace
+int64_t element_count(const Shape& shape) {
+    return std::accumulate(shape.begin(), shape.end(), int64_t{1}, std::multiplies<>());
+}
+
+void check_memory(int64_t count, size_t width) {
+    const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    if (count < 0 || static_cast<double>(count) * static_cast<double>(width) > memory)
+        throw Error("it claims to hold " + std::to_string(count) + " values, more than the memory can");
+}
+
+void check_rows(const Shape& shape, int64_t first, int64_t count) {
+    if (shape.empty() || first < 0 || count < 0 || first > shape[0] - count)
+        throw Error("has no rows " + std::to_string(first) + " to " + std::to_string(first + count - 1));
+}
 
 template <>
 hid_t native_type<float>() {
@@ -151,6 +158,8 @@ Array<T> Hdf5File::read(const std::string& name) const {
         const Handle dataset = impl_->dataset(name);
         const Handle space(H5Dget_space(dataset), H5Sclose);
         Shape shape = impl_->shape(space);
+        const VirtualDataset* parts = impl_->virtual_dataset(name, dataset);
+        if (parts && !parts->part.empty()) return read_rows<T>(name, 0, shape[0]);
         return Array<T>{read_selected<T>(dataset, H5S_ALL, H5S_ALL, element_count(shape)), std::move(shape)};
     });
 }
@@ -168,11 +177,16 @@ template <typename T>
 Array<T> Hdf5File::read_rows(const std::string& name, int64_t first, int64_t count) const {
     const Session session;
     return located(impl_->where(name), [&] {
+        // to open a virtual dataset takes as long as it has parts
+        const auto known = impl_->virtuals.find(name);
+        if (known != impl_->virtuals.end() && !known->second.part.empty())
+            return read_parts<T>(name, known->second, first, count);
         const Handle dataset = impl_->dataset(name);
         const Handle space(H5Dget_space(dataset), H5Sclose);
         Shape shape = impl_->shape(space);
-        if (shape.empty() || first < 0 || count < 0 || first + count > shape[0])
-            throw Error("has no rows " + std::to_string(first) + " to " + std::to_string(first + count - 1));
+        check_rows(shape, first, count);
+        const VirtualDataset* parts = impl_->virtual_dataset(name, dataset);
+        if (parts && !parts->part.empty()) return read_parts<T>(name, *parts, first, count);
         select_rows(space, shape, first, count);
         shape[0] = count;
         const Handle memory = dataspace(shape);
@@ -271,6 +285,7 @@ void Hdf5File::write_rows(const std::string& name, int64_t first, int64_t count,
 
 void Hdf5File::remove(const std::string& name) {
     const Session session;
+    impl_->virtuals.erase(name);
     if (H5Ldelete(impl_->file, name.c_str(), H5P_DEFAULT) < 0) impl_->fail("cannot remove: no such dataset", name);
     impl_->check_written();
 }

@@ -26,12 +26,24 @@ struct Storage {
     Shape chunk;       ///< empty: the whole dataset is one chunk
 };
 
+/// Rows [first, first + rows) of a dataset of another file, which a virtual dataset shows as its own.
+struct VirtualRows {
+    std::string file;  ///< relative to the folder of the file that refers to it
+    std::string dataset;
+    int64_t first = 0;
+    int64_t rows = 0;
+};
+
+struct VirtualDataset;
+
 /// An HDF5 file. Names of datasets are absolute paths ("/samples/cloth"); groups appear as needed.
 ///
 /// Every failure is an Error whose `where` is "file:/dataset": missing or unreadable file, not HDF5, truncated, missing
 /// dataset, wrong type or shape, damaged chunk, full disk, no permission. HDF5 itself prints nothing. Element types T:
 /// float, double, int8_t, uint8_t, int16_t, int32_t, int64_t. Floating point of any width reads as float or double;
 /// integers of any width read as any integer that holds their values; neither reads as the other.
+///
+/// A virtual dataset is read from the files it refers to, one level deep.
 ///
 /// Strings are written as UTF-8 of one fixed length (h5py gives bytes), and read at any length.
 ///
@@ -70,6 +82,13 @@ class Hdf5File {
     template <typename T>
     Array<T> read_rows(const std::string& dataset, int64_t first, int64_t count) const;
     std::vector<std::string> read_strings(const std::string& dataset) const;
+    /// Where the rows of a virtual dataset lie, in order; empty for any other dataset. Those that others wrote, and
+    /// which are not rows of other files one after the other, are read by the library, and are empty here.
+    std::vector<VirtualRows> virtual_rows(const std::string& dataset) const;
+    /// One line for each file that a virtual dataset refers to and that cannot be opened.
+    std::vector<std::string> unreadable_parts(const std::string& dataset) const;
+    /// The gzip level of a dataset that is stored in chunks; -1 of one that is not.
+    int deflate(const std::string& dataset) const;
 
     template <typename T>
     void write(const std::string& dataset, const T* value, const Shape& shape, const Storage& storage = {});
@@ -91,6 +110,14 @@ class Hdf5File {
     /// Writes rows [first, first + count), and extends the dataset to hold them.
     template <typename T>
     void write_rows(const std::string& dataset, int64_t first, int64_t count, const T* value);
+    /// A virtual dataset: the rows of others, one after the other, whatever the working directory of a reader. To read
+    /// rows whose file is missing or damaged is an Error here; other programs get NaN, or 0 of integers.
+    template <typename T>
+    void create_virtual_rows(const std::string& dataset, const Shape& row_shape, const std::vector<VirtualRows>& part);
+    /// Copies a row as it is stored, without unpacking it, to a dataset that `create_rows` made; unpacks it where the
+    /// two are stored in different ways.
+    template <typename T>
+    void copy_row(const std::string& dataset, int64_t row, const Hdf5File& source, int64_t source_row);
     void remove(const std::string& name);
     /// Shows a dataset of another file under `name` (an external link). `file` is relative to this file's folder, and
     /// need not be there.
@@ -116,6 +143,9 @@ class Hdf5File {
 
   private:
     struct Impl;
+    /// Rows of a virtual dataset from the files that hold them.
+    template <typename T>
+    Array<T> read_parts(const std::string& name, const VirtualDataset& whole, int64_t first, int64_t count) const;
     explicit Hdf5File(std::unique_ptr<Impl> impl);
     std::unique_ptr<Impl> impl_;
 };

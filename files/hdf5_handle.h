@@ -3,6 +3,8 @@
 #include <hdf5.h>
 
 #include <functional>
+#include <list>
+#include <map>
 #include <mutex>
 #include <string>
 #include <utility>
@@ -51,21 +53,54 @@ class Session {
 /// The innermost message of HDF5's error stack.
 std::string library_message();
 
+/// A virtual dataset whose parts follow each other, row by row, from first to last.
+struct VirtualDataset {
+    Shape shape;
+    std::vector<VirtualRows> part;  ///< empty where it is made up in another way
+};
+
 struct Hdf5File::Impl {
     std::string path;
     int write_error = 0;  ///< set by the watched driver
     Handle file;
     bool writable = false;
+    bool is_part = false;                              ///< opened for a virtual dataset of another file
+    std::map<std::string, VirtualDataset> virtuals;    ///< those of a file that is read, by name, as they were met
+    std::list<std::pair<std::string, Hdf5File>> open;  ///< parts by path, the one used last in front
 
     std::string where(const std::string& name) const { return path + ":" + name; }
     [[noreturn]] void fail(const std::string& what, const std::string& name) const;
     /// Error if a write did not reach the disk.
     void check_written() const;
     Handle dataset(const std::string& name) const;
+    /// What is known of a virtual dataset; null if `dataset` is none.
+    const VirtualDataset* virtual_dataset(const std::string& name, hid_t dataset);
+    std::string part_path(const VirtualRows& part) const;
+    /// The file that holds rows of a virtual dataset. Error if it cannot be read.
+    const Hdf5File& part_file(const std::string& name, const VirtualRows& part);
     /// The group or dataset that carries attributes.
     Handle object(const std::string& name) const;
     Shape shape(hid_t space) const;
 };
+
+/// A list that makes datasets without timestamps: the bytes of a file depend on its content alone.
+Handle untimed_dataset();
+
+/// Makes the groups above `name`; those that HDF5 makes by itself would carry timestamps.
+void make_groups(hid_t file, const std::string& name);
+
+/// Sets the rows [first, first + count) of a dataspace of this shape as its selection.
+void select_rows(hid_t space, const Shape& shape, int64_t first, int64_t count);
+
+/// Error unless a dataset of this shape has the rows [first, first + count).
+void check_rows(const Shape& shape, int64_t first, int64_t count);
+
+Handle dataspace(const Shape& shape);
+
+int64_t element_count(const Shape& shape);
+
+/// Refuses to allocate what a damaged header asks for.
+void check_memory(int64_t count, size_t width);
 
 /// HDF5's name for an element type in memory.
 template <typename T>

@@ -128,8 +128,17 @@ void drape_probe(const SceneConfig& config, const std::string& folder, const fil
         {});
 }
 
+files::CorpusPlan readable_plan(const std::string& path) {
+    try {
+        return files::read_plan(path);
+    } catch (const Error& error) {
+        throw Error(std::string("the plan of this corpus cannot be read: ") + error.what(), path,
+                    "remove it: --resume works it out again, to the same");
+    }
+}
+
 files::CorpusPlan usable_plan(const SceneConfig& config, const std::string& path) {
-    files::CorpusPlan plan = files::read_plan(path);
+    files::CorpusPlan plan = readable_plan(path);
     check_owner(plan, config, path);
     return plan;
 }

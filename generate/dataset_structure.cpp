@@ -1,6 +1,7 @@
 #include "generate/dataset_structure.h"
 
 #include <algorithm>
+#include <set>
 #include <string_view>
 
 #include "cloth/error.h"
@@ -108,6 +109,16 @@ void check_attributes(const files::Hdf5File& file, bool with_image, std::vector<
     });
 }
 
+/// A merged data set lies in the parts it refers to.
+void check_parts(const files::Hdf5File& file, std::vector<std::string>& defect) {
+    std::set<std::string> lines;
+    for (const std::string& name : file.members("/samples"))
+        if (file.is_dataset("/samples/" + name))
+            for (const std::string& line : file.unreadable_parts("/samples/" + name)) lines.insert(line);
+    for (const std::string& line : lines)
+        defect.push_back("/samples: " + line + "; put it back where it was, or run toile merge again");
+}
+
 }  // namespace
 
 std::vector<std::string> structure_defects(const files::Hdf5File& file) {
@@ -124,6 +135,7 @@ std::vector<std::string> structure_defects(const files::Hdf5File& file) {
     if (file.has("/embedding") && !file.has("/body")) defect.push_back("/embedding: there is no /body to carry it");
     if (file.has("/image") && !file.has("/embedding")) defect.push_back("/image: there is no /embedding it could show");
     check_attributes(file, file.has("/samples/image"), defect);
+    check_parts(file, defect);
     return defect;
 }
 

@@ -36,7 +36,7 @@ class Dataset:
 
     The file is opened when first needed and closed before each fork; a pickled data set opens the file again where it
     arrives. A file that `toile merge` put together from shards reads the same way; parts that are missing or damaged are
-    an error, not zeros. May be used by several threads. Raises DataError for a missing file, a field that is not there, a
+    an error. May be used by several threads. Raises DataError for a missing file, a field that is not there, a
     split without samples, a chunk whose checksum is wrong.
     """
 

@@ -33,7 +33,7 @@ class OpenFile:
     """
 
     def __init__(self, path: str | os.PathLike[str], cache_bytes: int = 0) -> None:
-        self.path = os.path.abspath(os.fspath(path))
+        self.path = os.path.realpath(path)  # of a link too: the parts of a merged file lie beside it
         self._cache_bytes = cache_bytes
         self._forget()
         with hdf5_lock:

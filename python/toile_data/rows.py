@@ -1,8 +1,8 @@
 """Rows of a dataset, also of one that is put together from many files.
 
-`toile merge` joins shards by virtual datasets: a list of which rows lie in which file. HDF5 reads these, but takes a part
-that is missing or damaged for zeros without a word, and keeps every part open that it ever read. So rows are looked up in
-that list and read from their part here.
+`toile merge` joins shards by virtual datasets: a list of which rows lie in which file. HDF5 reads these, but fills
+in for a part that is missing or damaged without a word, and keeps every part open that it ever read. So rows are looked up
+in that list and read from their part here.
 """
 
 from __future__ import annotations
@@ -77,12 +77,16 @@ class Rows:
             if dataset.is_virtual:
                 self._sources = _sources(dataset, file.path)
             else:
-                self._sources = [_Source(0, dataset.shape[0], file.path, name, 0)]
+                self._sources = [_Source(0, dataset.shape[0] if dataset.shape else 0, file.path, name, 0)]
         self._first = [source.first for source in self._sources]
+        self._loaded: np.ndarray | None = None
+
+    def __getstate__(self) -> dict[str, object]:
+        return {**self.__dict__, "_loaded": None}
 
     def read(self, rows: np.ndarray) -> np.ndarray:
         """`[len(rows) x ...]` of the stored type."""
-        if len(self.shape) == 1:  # values share chunks
+        if len(self.shape) == 1:
             return self.column()[rows]
         result = np.empty((len(rows), *self.shape[1:]), self.dtype)
         for k, row in enumerate(rows):
@@ -92,11 +96,13 @@ class Rows:
         return result
 
     def column(self) -> np.ndarray:
-        """All rows."""
-        result = np.empty(self.shape, self.dtype)
-        for source in self._sources:
-            self._read(source, source.source_first, result[source.first : source.first + source.count])
-        return result
+        """All rows, kept in memory: for datasets of one value a sample, of which many share a chunk."""
+        if self._loaded is None:
+            result = np.empty(self.shape, self.dtype)
+            for source in self._sources:
+                self._read(source, source.source_first, result[source.first : source.first + source.count])
+            self._loaded = result
+        return self._loaded
 
     def _read(self, source: _Source, first: int, buffer: np.ndarray) -> None:
         """Rows [first, first + len(buffer)) of a part."""

@@ -263,7 +263,7 @@ TEST_F(WorkerPool, AMemoryLimitFailsTheIndexThatNeedsMore) {
 
 TEST_F(WorkerPool, ThreadsFitUnderAMemoryLimit) {
     if (sanitized) GTEST_SKIP() << "the address sanitizer maps terabytes";
-    options_.memory_limit = 200'000'000;  // malloc reserves 64 MB a thread, without using them
+    options_.memory_limit = 400'000'000;  // malloc reserves 64 MB a thread, without using them
     expect_made(run({0},
                     [](int index) {
                         std::vector<std::thread> thread;

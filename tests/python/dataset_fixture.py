@@ -40,6 +40,7 @@ def write_header(file: h5py.File) -> None:
     file.attrs["format"] = np.bytes_("toile")
     file.attrs["reasons"] = np.array([b"accepted", b"not_at_rest", b"penetrates_body"])
     file["mesh/triangle"] = np.array([[0, 1, 2], [2, 1, 3]], "i4")
+    file["mesh/scalar"] = 1.0
     file["mesh/rest_position"] = np.zeros((VERTICES, 3))
 
 

@@ -116,7 +116,7 @@ class Output(DatasetCase):
         write_problem(path, self.merged, predicted, target)
         with h5py.File(path) as file, h5py.File(self.merged) as dataset:
             for name in dataset["mesh"]:
-                self.assert_same(file["mesh"][name][:], dataset["mesh"][name][:])
+                self.assert_same(file["mesh"][name][()], dataset["mesh"][name][()])
             self.assert_same(file["samples/predicted"][:], predicted)
             self.assert_same(file["samples/target"][:], target)
         write_problem(path, self.merged, predicted)

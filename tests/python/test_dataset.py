@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import pickle
 import resource
@@ -11,6 +12,7 @@ import sys
 import tempfile
 import threading
 import unittest
+import unittest.mock
 
 import h5py
 import numpy as np
@@ -71,6 +73,27 @@ class Reading(DatasetCase):
         for field, value in data[:].items():
             self.assert_same(value, self.direct[field][self.expected()])
 
+    def test_a_part_in_pieces(self) -> None:
+        """As merge refers to a part of which samples in the middle were made again elsewhere."""
+        path = os.path.join(self.folder, "pieces.h5")
+        shutil.copy(self.merged, path)
+        for name, picked in (("again", [10, 11]), ("rest", list(range(20, SAMPLES)))):
+            with h5py.File(os.path.join(self.folder, f"{name}.h5"), "w") as file:
+                file["samples/cloth"] = self.direct["cloth"][picked]
+        runs = (("shard_0/part_00000.h5", 0, 10), ("again.h5", 0, 2), ("shard_0/part_00000.h5", 12, 8),
+                ("rest.h5", 0, SAMPLES - 20))  # fmt: skip
+        layout, row = h5py.VirtualLayout((SAMPLES, VERTICES, 3), "f4"), 0
+        for part, first, count in runs:
+            source = h5py.VirtualSource(part, "samples/cloth", (first + count, VERTICES, 3))
+            layout[row : row + count] = source[first : first + count]
+            row += count
+        with h5py.File(path, "r+") as file:
+            del file["samples/cloth"]
+            file.create_virtual_dataset("samples/cloth", layout, fillvalue=np.nan)
+        data = Dataset(path, "all", ("cloth",), "all")
+        self.assert_same(data[:]["cloth"], self.direct["cloth"])
+        self.assert_same(data[13]["cloth"], self.direct["cloth"][13])
+
     def test_a_relative_path_holds_when_the_folder_changes(self) -> None:
         before = os.getcwd()
         self.addCleanup(os.chdir, before)
@@ -80,6 +103,12 @@ class Reading(DatasetCase):
             data = Dataset(path, fields=("cloth",))
             os.chdir("/")
             self.assert_same(data[:]["cloth"], self.direct["cloth"][self.expected()])
+
+    def test_a_link_to_a_merged_file(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            link = os.path.join(folder, "link.h5")
+            os.symlink(self.merged, link)
+            self.assert_same(Dataset(link, fields=("cloth",))[:]["cloth"], self.direct["cloth"][self.expected()])
 
     def test_more_parts_than_files_may_be_open(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
@@ -109,6 +138,7 @@ class Refusals(DatasetCase):
             ("has no field 'coth'; its samples have cloth, ", {"fields": ("coth",)}),
             ("has no field 'certificate/x'", {"fields": ("certificate/x",)}),
             ("does not have one value a sample", {"fields": ("mesh/triangle",)}),
+            ("does not have one value a sample", {"fields": ("mesh/scalar",)}),
         ):
             with self.assertRaisesRegex(DataError, message):
                 Dataset(self.whole, **keywords)
@@ -246,6 +276,15 @@ class Processes(DatasetCase):
         for locking in (None, True, False):  # this process reads it too, with any kind of lock
             with h5py.File(self.whole, "r", locking=locking):
                 self.assertGreater(len(Dataset(self.whole)), 0)
+        plain = h5py.File
+
+        def refuse_locks(path: str, mode: str, locking: bool | None = None, **keywords: int) -> h5py.File:
+            if locking is None:
+                raise OSError(errno.ENOLCK, "Unable to open file (unable to lock file, errno = 37)")
+            return plain(path, mode, locking=locking, **keywords)
+
+        with unittest.mock.patch.object(h5py, "File", refuse_locks):  # a file system without locks
+            self.assertGreater(len(Dataset(self.whole)), 0)
         read = [sys.executable, "-c", f"import toile_data; toile_data.Dataset({self.whole!r})"]
         with h5py.File(self.whole, "r+"):
             outcome = subprocess.run(read, stderr=subprocess.PIPE, text=True)

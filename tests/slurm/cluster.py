@@ -125,7 +125,7 @@ def kill(pid, number=signal.SIGKILL):
         pass
 
 
-def wait_until(what, condition, seconds=120):
+def wait_until(what, condition, seconds=600):
     """Polls; a limit so that a test which hangs says where. Orphans that were handed to this process are buried meanwhile:
     Slurm takes a task for running while one of its processes is still in the table."""
     end = time.monotonic() + seconds
@@ -277,7 +277,7 @@ class Cluster:
     def state(self, job):
         return self.job(job).get("JobState", "")
 
-    def wait_for_state(self, job, *states, seconds=180):
+    def wait_for_state(self, job, *states, seconds=600):
         wait_until(f"job {job} {' or '.join(states)}, it is {self.state(job)}",
                    lambda: self.state(job) in states, seconds)
 
@@ -285,7 +285,7 @@ class Cluster:
         """Processes of ours whose command line holds all the words."""
         return [one for one in children(os.getpid()) if all(word in command_line(one) for word in words)]
 
-    def release_requeued_until_end(self, jobs, seconds=300):
+    def release_requeued_until_end(self, jobs, seconds=600):
         """Waits until all have ended; a requeued task would wait until its old credential expires, and is let go at once."""
 
         def ended():

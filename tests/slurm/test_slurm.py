@@ -83,7 +83,7 @@ class CorpusUnderSlurm(unittest.TestCase):
         self.slurm.run("scontrol", "release", f"{array}_{shard}")
         return self.halt_at_work(shard)
 
-    def wait_for_end(self, jobs, state="COMPLETED", seconds=300):
+    def wait_for_end(self, jobs, state="COMPLETED", seconds=600):
         self.slurm.release_requeued_until_end(jobs, seconds)
         for job in jobs:
             if self.slurm.state(job) != state:
