@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "cloth/error.h"
+#include "files/dataset_file.h"
 #include "files/new_file.h"
 #include "generate/merge.h"
 #include "generate/ordered_work.h"
@@ -75,7 +76,24 @@ struct Run {
     }
 };
 
+/// A finished data set has no plan any more; another configuration's must not be planned beside it. One that cannot be
+/// read is made again.
+void check_finished(const Run& run) {
+    const std::string& dataset = run.summary.dataset;
+    if (run.options.shard || !fs::exists(dataset)) return;
+    std::string hash;
+    try {
+        hash = files::DatasetReader(dataset).header().config_hash;
+    } catch (const Error&) {
+        return;
+    }
+    if (hash != run.config.hash)
+        throw Error("this folder's data are of another configuration, or a file that it names has changed", dataset,
+                    "go on with the folder's own config.toml, or choose another --out");
+}
+
 files::CorpusPlan planned(const Run& run) {
+    check_finished(run);
     try {
         return corpus_plan(run.config, run.options.folder, run.plan_options());
     } catch (const Error&) {
