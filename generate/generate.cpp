@@ -127,6 +127,7 @@ void fill(Run& run, const files::CorpusPlan& plan, const std::vector<ShardNumber
 void join(const Run& run, const std::vector<ShardNumber>& shards) {
     MergeOptions options;
     options.copy = shards.size() == 1;
+    options.trust = true;
     options.progress = run.options.progress;
     const MergeSummary merged = merge(run.options.folder, options);
     if (!merged.missing.empty() || !merged.damaged.empty())

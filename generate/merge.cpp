@@ -128,7 +128,7 @@ void check_samples(Run& run, const files::DatasetReader& reader, Part& part) {
     part.sound.assign(static_cast<size_t>(count), 0);
     for (int row = 0; row < count; ++row) {
         const std::int64_t pose = run.plan.pose_number[part.first_slot + row];
-        const std::string damage = damage_of(reader, row, digest[row], sample[row]);
+        const std::string damage = run.options.trust ? "" : damage_of(reader, row, digest[row], sample[row]);
         if (!damage.empty()) {
             run.damaged.push_back("pose " + std::to_string(pose) + " in " + run.name_of(part.path) + ": " + damage);
         } else if (sample[row].id != pose || sample[row].split != run.plan.split[part.first_slot + row]) {

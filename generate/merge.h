@@ -11,7 +11,8 @@
 namespace toile::generate {
 
 struct MergeOptions {
-    bool copy = false;  ///< one file that needs the shards no more; else it refers to them
+    bool copy = false;   ///< one file that needs the shards no more; else it refers to them
+    bool trust = false;  ///< digests are not computed again: for parts that the caller has just written or checked
     ProgressCallback progress;
     const std::atomic<bool>* interrupted = nullptr;  ///< checked between samples
 };

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Failures that come from the machine rather than from the pose.
-bool worth_another_try(const files::SampleRecord& sample) {
+bool failed_by_machine(const files::SampleRecord& sample) {
     const auto status = static_cast<simulate::DrapeStatus>(sample.status);
     return status == simulate::DrapeStatus::crashed || status == simulate::DrapeStatus::out_of_memory;
 }
@@ -173,12 +173,20 @@ std::optional<files::SampleRecord> Shard::sound_sample(const files::DatasetReade
         files::SampleRecord sample = reader.read(row);
         if (sample.id != plan_.pose_number[slot] || files::sample_digest(sample) != reader.stored_digest(row))
             note_damage(name + " in " + reader.file().path() + " is damaged, and is made again");
-        else if (!worth_another_try(sample))
+        else if (failed_by_machine(sample))
+            forget_failure(sample.id);
+        else
             return sample;
     } catch (const Error& error) {
         note_damage(name + " in " + reader.file().path() + " cannot be read, and is made again: " + error.what());
     }
     return std::nullopt;
+}
+
+/// What was kept of a failure goes where it is tried again.
+void Shard::forget_failure(std::int64_t pose) const {
+    std::error_code ignored;
+    fs::remove(replay_path(corpus_folder_, pose), ignored);
 }
 
 void Shard::unseal(int part, const files::DatasetReader& reader, const std::vector<int>& sound) {
@@ -197,17 +205,24 @@ void Shard::recover_journal(int part) {
     const SlotRange range = part_slots(part);
     std::map<std::int64_t, int> slot_of;
     for (int slot = range.first; slot < range.end; ++slot) slot_of[plan_.pose_number[slot]] = slot;
+    std::vector<int> again;
     for (int k = 1; k < opened.journal.count(); ++k) {
         const files::SampleRecord sample = files::sample_from_bytes(opened.journal.read(k));
         const auto slot = slot_of.find(sample.id);
         if (slot == slot_of.end())
             throw Error("the journal has a sample of pose " + std::to_string(sample.id) + ", which is not in its part",
                         opened.journal.path(), "remove the shard's folder");
-        if (worth_another_try(sample) || opened.record.count(slot->second)) continue;
+        if (opened.record.count(slot->second)) continue;
+        if (failed_by_machine(sample)) {
+            again.push_back(slot->second);
+            continue;
+        }
         opened.record[slot->second] = k;
         there_[slot->second - slots_.first] = 1;
         tally_.add(sample, corpus_folder_);
     }
+    for (const int slot : again)
+        if (!opened.record.count(slot)) forget_failure(plan_.pose_number[slot]);
     if (static_cast<int>(opened.record.size()) == range.size()) seal(part);
 }
 

@@ -80,6 +80,7 @@ class Shard {
     bool recover_sealed(int part);
     void check_owner(const files::DatasetReader& reader) const;
     std::optional<files::SampleRecord> sound_sample(const files::DatasetReader& reader, int row, int slot);
+    void forget_failure(std::int64_t pose) const;
     void unseal(int part, const files::DatasetReader& reader, const std::vector<int>& sound);
     void recover_journal(int part);
     void note_damage(const std::string& what) { remarks_.push_back(what); }

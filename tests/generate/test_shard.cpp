@@ -202,9 +202,13 @@ TEST_F(ShardTest, TriesAgainWhatTheMachineFailed) {
         shard.add(7, sample(7, simulate::DrapeStatus::out_of_memory));
         EXPECT_EQ(shard.tally().failed_by_reason().size(), 3u);
     }
+    fs::create_directory(folder_ / "replay");
+    for (const int slot : {5, 6}) std::ofstream(replay_path(folder_.string(), 100 + slot)) << "kept";
     Shard shard = open();
     EXPECT_THAT(shard.missing(), ElementsAre(5, 7, 8, 9));
     EXPECT_EQ(shard.tally().failed.size(), 1u);
+    EXPECT_FALSE(fs::exists(replay_path(folder_.string(), 105)));
+    EXPECT_TRUE(fs::exists(replay_path(folder_.string(), 106)));
     shard.add(5, sample(5));
     expect_sealed("part_00000.h5", {5, 6});
 }
