@@ -206,7 +206,7 @@ TEST_F(CliDamage, AReadOnlyDiskIsRefusedAndResumesWhenItIsWritable) {
     if (!mount_disk("50m")) GTEST_SKIP() << "this user may not mount a disk";
     fs::create_directories(path("disk/d"));
     change_disk(MS_RDONLY, "50m");
-    expect_refused("generate scene.toml --out disk/d", "read-only");
+    expect_refused("generate scene.toml --out disk/d", "cannot be written to");
     change_disk(0, "50m");
     const pid_t process = launch("generate scene.toml --out disk/d --jobs 1");
     wait_for(process, "disk/d/shard_00000_of_00001/part_00000.h5");
