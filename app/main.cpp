@@ -4,6 +4,7 @@
 #include <cstring>
 #include <string>
 
+#include "app/command_line.h"
 #include "app/commands.h"
 #include "app/guard.h"
 #include "app/progress.h"
@@ -25,6 +26,7 @@ int parse(int argc, char** argv, toile::app::Work& chosen) {
     toile::app::add_project_command(program, chosen);
     toile::app::add_evaluate_command(program, chosen);
     toile::app::add_validate_command(program, chosen);
+    toile::app::add_export_command(program, chosen);
     toile::app::add_config_command(program, chosen);
     const auto known =
         program.get_subcommands([&](const CLI::App* one) { return argc > 1 && one->check_name(argv[1]); });
@@ -50,6 +52,7 @@ int main(int argc, char** argv) {
     // Beyond a limit on file sizes writes then fail with a reason, as they do on a full disk.
     std::signal(SIGXFSZ, SIG_IGN);
     toile::app::log_to_stderr();
+    toile::app::keep_command_line(argc, argv);
     const int status = toile::app::guarded([&] {
         toile::app::Work work;
         const int parsed = parse(argc, argv, work);

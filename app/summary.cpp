@@ -58,9 +58,17 @@ void print_look(const std::vector<std::string>& path) {
     for (const std::string& one : path) say("  look at          {}", one);
 }
 
+void print_export(const generate::ExportSummary& s) {
+    for (const std::string& path : s.path) say("{}", path);
+    say("  samples          {}, {:.1f} MB", s.samples, 1e-6 * static_cast<double>(s.bytes));
+    if (s.not_finite > 0) say("  left out         {} failed samples that are not finite", s.not_finite);
+}
+
 void print_validation(const generate::Validation& validation) {
     if (validation.defect.empty())
         say("  valid            {} samples checked, {} accepted", validation.samples, validation.accepted);
+    if (validation.recomputed > 0) say("  made again       {} samples", validation.recomputed);
+    for (const std::string& remark : validation.remark) say("  note             {}", remark);
     for (const std::string& defect : validation.defect) say("  not valid        {}", defect);
 }
 

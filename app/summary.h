@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "generate/export.h"
 #include "generate/generate.h"
 #include "generate/project.h"
 #include "generate/replay.h"
@@ -14,6 +15,7 @@ namespace toile::app {
 
 void print_summary(const generate::GenerateSummary& summary);
 void print_look(const std::vector<std::string>& path);
+void print_export(const generate::ExportSummary& summary);
 void print_validation(const generate::Validation& validation);
 void print_projection(const generate::ProjectSummary& summary, const std::string& path);
 void print_drape(const simulate::DrapeResult& result, const std::string& path);

@@ -30,11 +30,15 @@ struct NamedMesh {
     Triangles triangle;                          ///< `[F x 3]`
     Positions position;                          ///< `[V x 3]` [m]
     Eigen::Vector3f color = {0.7f, 0.7f, 0.7f};  ///< linear red, green, blue in [0, 1]; .glb only
+    PlanePositions texture = {};                 ///< `[P x 2]` or empty; .obj and .ply only
+    Triangles texture_triangle = {};             ///< `[F x 3]` texture indices of each triangle's corners
 };
 
 /// Writes .obj, .ply or .glb by the path's extension, to a new name first, then renamed. Vertices keep their order and
 /// count. .obj (12 decimals) and .ply (float64) keep positions to 1e-12 m, .glb to float32; .glb carries vertex normals
-/// and colours. Throws Error for another extension, indices or positions no file can hold, or a failed write.
+/// and colours. Texture coordinates belong to corners, so that a seam does not part the mesh: `vt` in .obj, the face
+/// property `texcoord` in .ply (six floats). Throws Error for another extension, indices or positions no file can hold,
+/// or a failed write.
 void write_meshes(const std::string& path, const std::vector<NamedMesh>& meshes);
 void write_mesh(const std::string& path, const Triangles& triangle, const Positions& position);
 

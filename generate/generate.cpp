@@ -6,7 +6,9 @@
 
 #include "cloth/error.h"
 #include "files/dataset_file.h"
+#include "files/file_lock.h"
 #include "files/new_file.h"
+#include "generate/dataset_card.h"
 #include "generate/merge.h"
 #include "generate/ordered_work.h"
 #include "generate/output_folder.h"
@@ -103,7 +105,9 @@ files::CorpusPlan planned(const Run& run) {
     }
 }
 
+/// Shards that waited for the plan together come here together, and would write under the same passing name.
 void write_config(const Run& run) {
+    const files::FileLock lock = files::FileLock::take(run.file("plan.lock"));
     if (!fs::exists(run.file("config.toml"))) files::write_text_file(run.file("config.toml"), run.config.absolute_text);
 }
 
@@ -176,6 +180,7 @@ void make(Run& run, const std::vector<ShardNumber>& shards) {
     fill(run, plan, shards);
     if (!run.options.shard) join(run, shards);
     summarise(run, plan);
+    if (!run.options.shard) write_card(run.summary.dataset, {run.options.command, run.summary.remarks});
 }
 
 }  // namespace

@@ -12,9 +12,6 @@
 namespace toile::generate {
 namespace {
 
-const Eigen::Vector3f skin_color{0.55f, 0.45f, 0.38f};
-const Eigen::Vector3f cloth_color{0.16f, 0.33f, 0.62f};
-
 std::string numbered(int64_t id) {
     char text[32];
     std::snprintf(text, sizeof text, "pose_%04lld", static_cast<long long>(id));

@@ -5,8 +5,6 @@
 #include <numeric>
 #include <utility>
 
-#include "skin/skinning.h"
-
 namespace toile::generate {
 namespace {
 
@@ -48,7 +46,7 @@ CarriedBody posed_as_stored(const files::DatasetHeader& header, const skin::Body
         Positions posed = skin::skin_positions(body, sample.pose, method);
         const Positions cloth = carried(*header.embedding, body.triangle, posed);
         const double distance = (cloth - sample.embedded).rowwise().norm().maxCoeff();
-        if (distance < best.distance || best.position.rows() == 0) best = {std::move(posed), distance};
+        if (distance < best.distance || best.position.rows() == 0) best = {std::move(posed), method, distance};
         if (best.distance < 1e-5) break;
     }
     return best;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "files/dataset_file.h"
-#include "skin/body.h"
+#include "skin/skinning.h"
 
 namespace toile::generate {
 
@@ -9,7 +9,8 @@ namespace toile::generate {
 skin::Body skinned_body(const files::DatasetBody& stored);
 
 struct CarriedBody {
-    Positions position;   ///< `[Vb x 3]` the body in the sample's pose [m]
+    Positions position;  ///< `[Vb x 3]` the body in the sample's pose [m]
+    skin::SkinningMethod method = skin::SkinningMethod::linear;
     double distance = 0;  ///< largest distance of the embedding carried by it from the stored r̃ [m]
 };
 

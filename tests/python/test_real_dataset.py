@@ -14,7 +14,7 @@ import unittest
 import h5py
 import numpy as np
 
-from toile_data import Dataset, read_image, reconstruct, write_problem
+from toile_data import DataError, Dataset, read_image, reconstruct, write_problem
 
 SCENE = """[scene]
 name = "small"
@@ -27,8 +27,7 @@ count = 2
 source = "tshirt"
 edge_length = 0.05
 [image]
-size = "auto"
-max_error = 0.002
+size = 32
 [split]
 validation = 0.0
 test = 0.0
@@ -68,6 +67,20 @@ class RealDataset(unittest.TestCase):
         with h5py.File(self.path) as file:
             for field, value in samples.items():
                 self.assertTrue(np.array_equal(value, file[field if "/" in field else f"samples/{field}"][:]))
+
+    def test_shards_that_were_merged(self) -> None:
+        scene, folder = os.path.join(self.folder, "scene.toml"), os.path.join(self.folder, "shards")
+        for shard in ("0/2", "1/2"):
+            subprocess.run([self.toile, "generate", scene, "--out", folder, "--shard", shard], check=True)
+        subprocess.run([self.toile, "merge", folder], check=True)
+        whole = Dataset(self.path, fields=FIELDS[:-1])[:]
+        merged = Dataset(os.path.join(folder, "dataset.h5"), fields=FIELDS[:-1])
+        for field, value in merged[:].items():
+            self.assertEqual(value.tobytes(), whole[field].tobytes(), field)
+        part = os.path.join(folder, "shard_00001_of_00002", "part_00000.h5")
+        os.rename(part, part + ".gone")
+        with self.assertRaisesRegex(DataError, "shard_00001_of_00002/part_00000.h5"):
+            Dataset(merged.path)
 
     def test_a_problem_is_solved(self) -> None:
         cloth = Dataset(self.path, fields="cloth")[:]["cloth"]

@@ -148,6 +148,8 @@ class CorpusUnderSlurm(unittest.TestCase):
         self.assertIn("exit status 137", self.shard_log(1))
         self.assertEqual(self.shard_log(3).count("start "), 1, "the task was to outlive its node's daemon")
         self.assertIn("back into the queue", self.shard_log(4))
+        status = subprocess.run([self.toile, "status", self.folder], capture_output=True, text=True).stdout
+        self.assertIn(f"{SHARDS} finished", status)
         self.expect_single_runs_bytes()
 
     def test_preemption(self):
@@ -165,16 +167,15 @@ class CorpusUnderSlurm(unittest.TestCase):
         self.expect_single_runs_bytes()
 
     def test_retry_after_a_failure(self):
-        os.makedirs(self.folder)
-        in_the_way = f"{self.folder}/shard_00002_of_{SHARDS:05d}"
-        open(in_the_way, "w").close()
+        in_the_way = f"{self.folder}/shard_00002_of_{SHARDS:05d}/lock"  # a folder where toile must have a file
+        os.makedirs(in_the_way)
         array, merge = self.submit()
         self.wait_for_end([f"{array}_{shard}" for shard in range(SHARDS) if shard != 2])
         self.wait_for_end([f"{array}_2"], state="FAILED")
-        wait_until("the merge's end", lambda: self.slurm.state(merge) in ("COMPLETED", "FAILED"))
-        self.assertIn("missing", self.log("merge"))
+        self.wait_for_end([merge], state="FAILED")
+        self.assertIn("missing          6 samples", self.log("merge"))
 
-        os.remove(in_the_way)
+        os.rmdir(in_the_way)
         array, merge = self.submit("--array=2")
         self.wait_for_end([f"{array}_2", merge])
         self.expect_single_runs_bytes()
