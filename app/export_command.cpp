@@ -58,11 +58,10 @@ void add_selection_flags(CLI::App& command, ExportFlags& flags) {
     command.add_option("--pose", flags.poses, "only these pose numbers, for example 7 or 3,10-20")->type_name("K,K-L");
     command.add_option("--split", flags.split, "only one split: train, validation or test")
         ->transform(CLI::CheckedTransformer(splits))
-        ->type_name("S");
+        ->option_text("S");
     command.add_option("--status", flags.status, "accepted, or all: those that failed too")
         ->check(CLI::IsMember({"accepted", "all"}))
-        ->type_name("S")
-        ->capture_default_str();
+        ->option_text("S=accepted");
     command.add_option("--at-most", flags.options.at_most, "of those, so many, evenly spread")
         ->type_name("N")
         ->check(CLI::Range(int64_t{1}, int64_t{1} << 40));
@@ -77,7 +76,7 @@ void add_export_command(CLI::App& program, Work& chosen) {
     command->add_option("DATASET", options.dataset, "the data set")->required();
     command->add_option("--format", options.format, "npz, obj, ply, pc2, gltf or xdmf")
         ->transform(CLI::CheckedTransformer(formats))
-        ->type_name("F")
+        ->option_text("F REQUIRED")
         ->required();
     command->add_option("--out", options.out, "the file or folder to write")->type_name("PATH")->required();
     add_selection_flags(*command, *flags);

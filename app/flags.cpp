@@ -5,6 +5,7 @@
 #include <limits>
 #include <thread>
 
+#include "app/command_line.h"
 #include "app/interrupt.h"
 #include "cloth/error.h"
 
@@ -84,6 +85,7 @@ generate::GenerateOptions generate_options(const Flags& flags, ProgressDisplay& 
     options.jobs = flags.jobs;
     options.shard = shard_of(flags.shard);
     options.resume = flags.resume;
+    options.command = command_line();
     options.memory_limit = flags.memory_limit;
     options.progress = [&display](const generate::Progress& progress) { display(progress); };
     options.interrupted = watch_interrupt();

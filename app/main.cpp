@@ -4,6 +4,7 @@
 #include <cstring>
 #include <string>
 
+#include "app/command_line.h"
 #include "app/commands.h"
 #include "app/guard.h"
 #include "app/progress.h"
@@ -51,6 +52,7 @@ int main(int argc, char** argv) {
     // Beyond a limit on file sizes writes then fail with a reason, as they do on a full disk.
     std::signal(SIGXFSZ, SIG_IGN);
     toile::app::log_to_stderr();
+    toile::app::keep_command_line(argc, argv);
     const int status = toile::app::guarded([&] {
         toile::app::Work work;
         const int parsed = parse(argc, argv, work);

@@ -4,10 +4,12 @@
 #include <map>
 #include <memory>
 
+#include "app/command_line.h"
 #include "app/commands.h"
 #include "app/guard.h"
 #include "app/interrupt.h"
 #include "app/progress.h"
+#include "generate/dataset_card.h"
 #include "generate/merge.h"
 
 namespace toile::app {
@@ -23,7 +25,7 @@ constexpr int many_parts = 500;
 
 void print_merge(const generate::MergeSummary& s, const std::string& folder, bool copy) {
     say("{}", s.dataset.empty() ? folder : s.dataset);
-    say("  samples          {} of {} parts in {} shards, {} accepted{}", s.samples, s.parts, s.shards, s.accepted,
+    say("  samples          {} from {} parts in {} shards, {} accepted{}", s.samples, s.parts, s.shards, s.accepted,
         copy || s.dataset.empty() ? "" : "; they stay in the shards");
     std::map<std::string, std::vector<std::int64_t>> pose;
     for (const generate::FailedSample& one : s.failed) pose[one.reason].push_back(one.pose);
@@ -49,6 +51,7 @@ int merge_shards(const std::string& folder, bool copy) {
     options.interrupted = watch_interrupt();
     const generate::MergeSummary summary = generate::merge(folder, options);
     display.finish();
+    if (!summary.dataset.empty()) generate::write_card(summary.dataset, {command_line(), {}});
     print_merge(summary, folder, copy);
     return summary.is_complete() ? all_done : some_samples_failed;
 }
@@ -61,7 +64,8 @@ struct MergeFlags {
 }  // namespace
 
 void add_merge_command(CLI::App& program, Work& chosen) {
-    CLI::App* command = program.add_subcommand("merge", "join the shards in DIR into one data set, DIR/dataset.h5");
+    CLI::App* command =
+        program.add_subcommand("merge", "join the shards in DIR into one data set, DIR/dataset.h5, with its card");
     const auto flags = std::make_shared<MergeFlags>();
     command->add_option("DIR", flags->folder, "the folder that toile generate --shard wrote to")->required();
     command->add_flag(

@@ -67,6 +67,8 @@ void print_export(const generate::ExportSummary& s) {
 void print_validation(const generate::Validation& validation) {
     if (validation.defect.empty())
         say("  valid            {} samples checked, {} accepted", validation.samples, validation.accepted);
+    if (validation.recomputed > 0) say("  made again       {} samples", validation.recomputed);
+    for (const std::string& remark : validation.remark) say("  note             {}", remark);
     for (const std::string& defect : validation.defect) say("  not valid        {}", defect);
 }
 

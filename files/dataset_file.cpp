@@ -31,34 +31,26 @@ std::vector<float> quaternion_floats(const std::vector<Eigen::Quaterniond>& fram
 }
 
 template <typename T>
-void append(std::string& bytes, const T* value, size_t count) {
-    bytes.append(reinterpret_cast<const char*>(value), count * sizeof(T));
-}
-
-template <typename T>
-void append(std::string& bytes, const std::vector<T>& value) {
-    append(bytes, value.data(), value.size());
+void add(RunningDigest& digest, const std::vector<T>& value) {
+    digest.add(value.data(), value.size() * sizeof(T));
 }
 
 }  // namespace
 
 Digest sample_digest(const SampleRecord& sample) {
-    std::string bytes;
-    append(bytes, &sample.id, 1);
+    RunningDigest digest;
+    digest.add(&sample.id, sizeof sample.id);
     const int8_t small[] = {static_cast<int8_t>(sample.split), static_cast<int8_t>(sample.status)};
-    append(bytes, small, 2);
-    append(bytes, sample.pose.data(), static_cast<size_t>(sample.pose.size()));
-    append(bytes, floats(sample.cloth));
-    append(bytes, floats(sample.embedded));
-    append(bytes, floats(sample.displacement));
-    append(bytes, quaternion_floats(sample.frame));
-    append(bytes, sample.image);
-    bytes += certificate_bytes(sample.certificate);
-    const std::string text = text_digest(bytes);
-    Digest digest;
-    for (size_t i = 0; i < digest.size(); ++i)
-        digest[i] = static_cast<uint8_t>(std::stoi(text.substr(2 * i, 2), nullptr, 16));
-    return digest;
+    digest.add(small, sizeof small);
+    digest.add(sample.pose.data(), static_cast<size_t>(sample.pose.size()) * sizeof(double));
+    add(digest, floats(sample.cloth));
+    add(digest, floats(sample.embedded));
+    add(digest, floats(sample.displacement));
+    add(digest, quaternion_floats(sample.frame));
+    add(digest, sample.image);
+    const std::string certificate = certificate_bytes(sample.certificate);
+    digest.add(certificate.data(), certificate.size());
+    return digest.value();
 }
 
 std::string timing_path(const std::string& dataset) {

@@ -60,6 +60,20 @@ bool read_all(int descriptor, char* data, size_t size, std::int64_t offset) {
     return true;
 }
 
+/// Where the first mark at or behind `from` begins; -1 where there is none.
+std::int64_t next_mark(int descriptor, std::int64_t from) {
+    const std::array<char, 8> mark = Heading{}.mark;
+    std::string window(size_t{1} << 20, '\0');
+    for (;;) {
+        const ssize_t got = ::pread(descriptor, window.data(), window.size(), from);
+        if (got < 0 && errno == EINTR) continue;
+        if (got < static_cast<ssize_t>(mark.size())) return -1;
+        const size_t at = std::string_view(window.data(), static_cast<size_t>(got)).find({mark.data(), mark.size()});
+        if (at != std::string_view::npos) return from + static_cast<std::int64_t>(at);
+        from += got - static_cast<ssize_t>(mark.size()) + 1;  // one may lie across the window's end
+    }
+}
+
 }  // namespace
 
 Journal::Journal(std::string path) : path_(std::move(path)) {
@@ -82,6 +96,15 @@ Journal::Journal(Journal&& other) noexcept
       record_(std::move(other.record_)),
       damaged_(other.damaged_) {}
 
+Journal& Journal::operator=(Journal&& other) noexcept {
+    std::swap(path_, other.path_);
+    std::swap(descriptor_, other.descriptor_);
+    std::swap(end_, other.end_);
+    std::swap(record_, other.record_);
+    std::swap(damaged_, other.damaged_);
+    return *this;
+}
+
 Journal::~Journal() {
     if (descriptor_ >= 0) ::close(descriptor_);
 }
@@ -99,14 +122,20 @@ void Journal::find_records() {
     std::string payload;
     while (read_all(descriptor_, reinterpret_cast<char*>(&heading), sizeof heading, end_)) {
         const std::int64_t offset = end_ + static_cast<std::int64_t>(sizeof heading);
-        if (heading.mark != Heading{}.mark || heading.size < 0 || heading.size > status.st_size - offset) return;
-        payload.resize(static_cast<size_t>(heading.size));
-        if (!read_all(descriptor_, payload.data(), payload.size(), offset)) return;
-        if (heading_of(payload).digest == heading.digest)
+        const bool whole =
+            heading.mark == Heading{}.mark && heading.size >= 0 && heading.size <= status.st_size - offset;
+        payload.resize(whole ? static_cast<size_t>(heading.size) : 0);
+        if (whole && read_all(descriptor_, payload.data(), payload.size(), offset) &&
+            heading_of(payload).digest == heading.digest) {
             record_.push_back({offset, heading.size});
-        else
-            ++damaged_;
-        end_ = offset + heading.size;
+            end_ = offset + heading.size;
+            continue;
+        }
+        // The length may be what is damaged: the next record is where the next mark is.
+        const std::int64_t next = next_mark(descriptor_, end_ + 1);
+        if (next < 0 && !whole) return;
+        ++damaged_;
+        end_ = next < 0 ? offset + heading.size : next;
     }
 }
 

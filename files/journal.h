@@ -19,7 +19,7 @@ class Journal {
     explicit Journal(std::string path);
     ~Journal();
     Journal(Journal&& other) noexcept;
-    Journal& operator=(Journal&&) = delete;
+    Journal& operator=(Journal&& other) noexcept;
 
     int count() const { return static_cast<int>(record_.size()); }
     int damaged() const { return damaged_; }  ///< records that were passed over

@@ -41,8 +41,8 @@ void sync_folder_of(const std::string& path) {
     if (const int error = sync(folder_of(path), O_RDONLY | O_DIRECTORY)) fail(error, path);
 }
 
-void write_text_file(const std::string& path, const std::string& text) {
-    NewFile file(path);
+void write_text_file(const std::string& path, const std::string& text, NewFile::Survives survives) {
+    NewFile file(path, survives);
     file.write(text.data(), text.size());
     file.commit();
 }
@@ -71,7 +71,8 @@ std::string write_failure(int error_number) {
     }
 }
 
-NewFile::NewFile(std::string path) : path_(std::move(path)), partial_(path_ + ".partial") {
+NewFile::NewFile(std::string path, Survives survives)
+    : path_(std::move(path)), partial_(path_ + ".partial"), survives_(survives) {
     struct stat status {};
     if (::stat(path_.c_str(), &status) == 0 && S_ISDIR(status.st_mode)) fail(EISDIR, path_);
     const int descriptor = ::open(partial_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
@@ -94,16 +95,17 @@ void NewFile::write(const void* data, size_t size) {
         else if (put == 0 || errno != EINTR)
             error = put == 0 ? ENOSPC : errno;
     }
-    if (error == 0 && ::fsync(descriptor) != 0 && errno != EINVAL) error = errno;
+    if (error == 0 && survives_ == Survives::power_cut && ::fsync(descriptor) != 0 && errno != EINVAL) error = errno;
     if (::close(descriptor) != 0 && error == 0) error = errno;
     if (error != 0) fail(error, path_);
 }
 
 void NewFile::commit() {
-    if (const int error = sync(partial_, O_WRONLY)) fail(error, path_);
+    if (survives_ == Survives::power_cut)
+        if (const int error = sync(partial_, O_WRONLY)) fail(error, path_);
     if (std::rename(partial_.c_str(), path_.c_str()) != 0) fail(errno, path_);
     committed_ = true;
-    sync_folder_of(path_);
+    if (survives_ == Survives::power_cut) sync_folder_of(path_);
 }
 
 }  // namespace toile::files

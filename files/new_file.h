@@ -8,8 +8,9 @@ namespace toile::files {
 /// renames it to PATH and syncs the folder. Without a commit the partial file is removed.
 class NewFile {
   public:
+    enum class Survives { power_cut, kill };  ///< the latter is written without syncing: for what is soon replaced
     /// Throws Error where the folder is missing or not writable, or PATH is a folder.
-    explicit NewFile(std::string path);
+    explicit NewFile(std::string path, Survives survives = Survives::power_cut);
     ~NewFile();
     NewFile(const NewFile&) = delete;
     NewFile& operator=(const NewFile&) = delete;
@@ -24,11 +25,13 @@ class NewFile {
 
   private:
     std::string path_, partial_;
+    Survives survives_;
     bool committed_ = false;
 };
 
 /// Writes a whole file of text. Throws Error with the system's reason.
-void write_text_file(const std::string& path, const std::string& text);
+void write_text_file(const std::string& path, const std::string& text,
+                     NewFile::Survives survives = NewFile::Survives::power_cut);
 
 /// Puts a file's entry in its folder on the disk: a file that was just made is there after a power cut. Throws Error
 /// with the system's reason.

@@ -60,6 +60,8 @@ void bind_body(ConfigTable& root, SceneConfig& config) {
         "skinning", body.skinning,
         {{"linear", skin::SkinningMethod::linear}, {"dual_quaternion", skin::SkinningMethod::dual_quaternion}},
         "how joints carry the surface");
+    if (body.builtin) body.licence = "MIT, made by toile's code";
+    table->text("licence", body.licence, "under which the body's shape may be used, for the data card");
 }
 
 namespace {

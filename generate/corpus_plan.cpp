@@ -106,6 +106,7 @@ void drape_probe(const SceneConfig& config, const std::string& folder, const fil
     const std::map<int, std::string> there = probed_samples(folder, plan);
     for (const int slot : probe_slots(plan.sample_count(), config.image->probe))
         if (!there.count(slot)) missing.push_back(slot);
+    if (there.empty()) fs::remove(in(folder, probe_name));  // whatever is in it cannot be told to be this corpus'
     files::Journal journal(in(folder, probe_name));
     if (journal.count() == 0) journal.append(config.hash);
     int done = 0;

@@ -57,6 +57,8 @@ void bind_garment(ConfigTable& root, SceneConfig& config) {
         "source", garment.source,
         {{"tshirt", GarmentSource::tshirt}, {"patch", GarmentSource::patch}, {"file", GarmentSource::file}},
         "cut to the body, a rectangle, or a mesh with texture coordinates");
+    if (garment.source != GarmentSource::file) garment.licence = "MIT, made by toile's code";
+    table->text("licence", garment.licence, "under which the garment may be used, for the data card");
     switch (garment.source) {
         case GarmentSource::tshirt:
             return bind_tshirt(*table, garment.tshirt);

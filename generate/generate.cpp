@@ -5,8 +5,10 @@
 #include <filesystem>
 
 #include "cloth/error.h"
+#include "files/dataset_file.h"
 #include "files/file_lock.h"
 #include "files/new_file.h"
+#include "generate/dataset_card.h"
 #include "generate/merge.h"
 #include "generate/ordered_work.h"
 #include "generate/output_folder.h"
@@ -76,7 +78,24 @@ struct Run {
     }
 };
 
+/// A finished data set has no plan any more; another configuration's must not be planned beside it. One that cannot be
+/// read is made again.
+void check_finished(const Run& run) {
+    const std::string& dataset = run.summary.dataset;
+    if (run.options.shard || !fs::exists(dataset)) return;
+    std::string hash;
+    try {
+        hash = files::DatasetReader(dataset).header().config_hash;
+    } catch (const Error&) {
+        return;
+    }
+    if (hash != run.config.hash)
+        throw Error("this folder's data are of another configuration, or a file that it names has changed", dataset,
+                    "go on with the folder's own config.toml, or choose another --out");
+}
+
 files::CorpusPlan planned(const Run& run) {
+    check_finished(run);
     try {
         return corpus_plan(run.config, run.options.folder, run.plan_options());
     } catch (const Error&) {
@@ -92,16 +111,16 @@ void write_config(const Run& run) {
     if (!fs::exists(run.file("config.toml"))) files::write_text_file(run.file("config.toml"), run.config.absolute_text);
 }
 
-/// The samples of a data set that is whole but for damage go back into a shard, if any is damaged.
-void take_apart_if_damaged(Shard& shard, const std::string& dataset) {
-    if (shard.tally().samples == 0 && fs::exists(dataset)) shard.adopt(dataset);
+/// What a data set of one shard holds goes back into the shard, where that misses it.
+void take_apart(Shard& shard, const std::string& dataset) {
+    if (!shard.is_complete() && fs::exists(dataset)) shard.adopt(dataset);
 }
 
 void fill(Run& run, const files::CorpusPlan& plan, const std::vector<ShardNumber>& shards) {
     const Shard::Options options{run.config.output.part, run.config.output.compression};
     for (const ShardNumber& number : shards) {
         Shard shard(run.options.folder, number, plan, options);
-        if (number.count == 1) take_apart_if_damaged(shard, run.summary.dataset);
+        if (number.count == 1) take_apart(shard, run.summary.dataset);
         fill_shard(shard, run.config, plan, run.options.folder, run.plan_options());
         run.tally.add(shard.tally());
         run.summary.remarks.insert(run.summary.remarks.end(), shard.remarks().begin(), shard.remarks().end());
@@ -161,6 +180,7 @@ void make(Run& run, const std::vector<ShardNumber>& shards) {
     fill(run, plan, shards);
     if (!run.options.shard) join(run, shards);
     summarise(run, plan);
+    if (!run.options.shard) write_card(run.summary.dataset, {run.options.command, run.summary.remarks});
 }
 
 }  // namespace

@@ -20,6 +20,7 @@ struct GenerateOptions {
     bool resume = false;               ///< go on with what is in the folder; else Error where there is something
     std::uint64_t memory_limit = 0;    ///< of each worker process [bytes]; 0: none
     ProgressCallback progress;
+    std::string command;                             ///< for the data card; may be empty
     const std::atomic<bool>* interrupted = nullptr;  ///< ends the run in order; what is done is kept
 };
 
@@ -39,8 +40,9 @@ struct GenerateSummary {
 };
 
 /// Poses, skin, simulate, embed, rasterise. Everything (no `shard`): writes `folder`/dataset.h5, whole or not at all.
-/// One shard: fills `folder`/shard_00003_of_00016, see `Shard`; `merge` joins them. Beside them config.toml and, for
-/// each pose that failed, replay/pose_000123.h5.
+/// Beside
+/// it CARD.md (`write_card`). One shard: fills `folder`/shard_00003_of_00016, see `Shard`; `merge` joins them. Beside
+/// them config.toml and, for each pose that failed, replay/pose_000123.h5.
 ///
 /// Sample k depends on the configuration and k alone; the data set's bytes depend neither on `jobs` nor on shards, the
 /// order or the clock. The work is done in child processes: one that crashes or runs out of memory costs its sample a

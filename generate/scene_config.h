@@ -31,6 +31,7 @@ struct BodyConfig {
     files::ConfigPath file;
     skin::RiggedBodyOptions rigged_options;
     skin::SkinningMethod skinning = skin::SkinningMethod::linear;
+    std::string licence = "not stated";  ///< for the data card
 };
 
 enum class PoseSource { sampler, bvh, table };
@@ -55,6 +56,7 @@ struct GarmentConfig {
     pattern::PatchOptions patch;
     files::ConfigPath file;
     pattern::GarmentFileOptions file_options;
+    std::string licence = "not stated";  ///< for the data card
 };
 
 /// [output]

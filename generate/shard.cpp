@@ -38,9 +38,11 @@ files::FileLock taken(const std::string& folder) {
     return std::move(*lock);
 }
 
+constexpr std::string_view owner_mark = "configuration ";
+
 /// Of which corpus a journal is: its first record.
 std::string journal_owner(const files::DatasetHeader& header) {
-    return "configuration " + header.config_hash + ", toile " + header.program_version;
+    return std::string(owner_mark) + header.config_hash + ", toile " + header.program_version;
 }
 
 }  // namespace
@@ -112,13 +114,18 @@ std::vector<int> Shard::missing() const {
 Shard::OpenPart& Shard::open_part(int part) {
     const auto found = open_.find(part);
     if (found != open_.end()) return found->second;
-    OpenPart& opened = open_.emplace(part, OpenPart{files::Journal(journal_path(part)), {}}).first->second;
-    const std::string owner = journal_owner(plan_.header);
-    if (opened.journal.count() == 0) opened.journal.append(owner);
-    if (opened.journal.read(0) != owner)
-        throw Error("the journal belongs to another corpus: " + opened.journal.read(0), opened.journal.path(),
+    const std::string owner = journal_owner(plan_.header), path = journal_path(part);
+    files::Journal journal(path);
+    if (journal.count() > 0 && journal.read(0).rfind(owner_mark, 0) != 0) {
+        note_damage(path + " does not say any more whose it is, its samples are made again");
+        fs::remove(path);
+        journal = files::Journal(path);
+    }
+    if (journal.count() == 0) journal.append(owner);
+    if (journal.read(0) != owner)
+        throw Error("the journal belongs to another corpus: " + journal.read(0), path,
                     "choose another --out, or remove the shard's folder");
-    return opened;
+    return open_.emplace(part, OpenPart{std::move(journal), {}}).first->second;
 }
 
 void Shard::recover(int part) {

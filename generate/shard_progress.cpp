@@ -12,7 +12,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ShardProgress, shard, shards, samples, done, 
                                    seconds_here, pid, host, state, updated)
 
 void write_shard_progress(const std::string& path, const ShardProgress& progress) {
-    files::write_text_file(path, nlohmann::json(progress).dump() + "\n");
+    files::write_text_file(path, nlohmann::json(progress).dump() + "\n", files::NewFile::Survives::kill);
 }
 
 ShardProgress read_shard_progress(const std::string& path) {

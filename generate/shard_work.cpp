@@ -15,7 +15,7 @@ namespace toile::generate {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr double seconds_between_heartbeats = 2.0;
+constexpr double seconds_between_heartbeats = 5.0;
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <utility>
 
 #include "cloth/error.h"
 #include "cloth/parallel.h"
@@ -12,7 +13,7 @@
 #include "generate/dataset_structure.h"
 #include "generate/validate_sample.h"
 #include "skin/pose.h"
-#include "skin/pose_cluster.h"
+#include "skin/split_leak.h"
 
 namespace toile::generate {
 namespace {
@@ -132,84 +133,100 @@ bool check_header(const files::DatasetHeader& header, Lines& defect) {
     return sound;
 }
 
-/// What is compared between samples.
-struct Pose {
+/// What is compared between samples; their poses are read again.
+struct Named {
     int64_t id = 0;
-    int split = 0;
-    skin::Pose rotation;
+    std::int8_t split = 0;
+    bool readable = false;
 };
 
-void check_ids(const std::vector<Pose>& pose, Lines& defect) {
-    std::map<int64_t, size_t> first;
-    for (size_t i = 0; i < pose.size(); ++i) {
-        const auto [at, fresh] = first.emplace(pose[i].id, i);
-        if (!fresh)
-            defect.push_back("/samples/id[" + std::to_string(i) + "]: " + std::to_string(pose[i].id) +
-                             " is the id of sample " + std::to_string(at->second) + " too");
+void check_ids(const std::vector<Named>& sample, Lines& defect) {
+    std::vector<std::pair<int64_t, size_t>> sorted;
+    for (size_t i = 0; i < sample.size(); ++i)
+        if (sample[i].readable) sorted.emplace_back(sample[i].id, i);
+    std::sort(sorted.begin(), sorted.end());
+    std::map<size_t, size_t> twin;
+    for (size_t i = 1, first = 0; i < sorted.size(); ++i) {
+        if (sorted[i].first != sorted[first].first) first = i;
+        if (first != i) twin.emplace(sorted[i].second, sorted[first].second);
     }
+    for (const auto& [one, other] : twin)
+        defect.push_back("/samples/id[" + std::to_string(one) + "]: " + std::to_string(sample[one].id) +
+                         " is the id of sample " + std::to_string(other) + " too");
 }
 
-/// The first sample before `member[last]` in another split and nearly in its pose, or -1.
-int near_in_another_split(const std::vector<Pose>& pose, const std::vector<int>& member, size_t last, double angle) {
-    const Pose& one = pose[member[last]];
-    for (size_t k = 0; k < last; ++k) {
-        const Pose& other = pose[member[k]];
-        if (other.split != one.split && skin::largest_joint_rotation(other.rotation, one.rotation) < angle)
-            return member[k];
-    }
-    return -1;
-}
+/// The stored poses, read in blocks where they are asked for in order. What cannot be read is not finite.
+class StoredPoses {
+  public:
+    StoredPoses(const files::Hdf5File& file, const std::vector<Named>& sample) : file_(file), sample_(sample) {}
 
-void check_splits(const std::vector<Pose>& pose, double angle, Lines& defect) {
-    std::vector<int> slot;
-    std::vector<skin::Pose> rotation;
-    for (size_t i = 0; i < pose.size(); ++i) {
-        if (pose[i].rotation.rows() == 0 || !pose[i].rotation.allFinite()) continue;
-        slot.push_back(static_cast<int>(i));
-        rotation.push_back(pose[i].rotation);
-    }
-    if (rotation.empty()) return;
-    // Two near poses are in one cluster, so pairs need to be looked for within clusters alone.
-    std::map<int, std::vector<int>> cluster;
-    const std::vector<int> leader = skin::cluster_poses(rotation, angle);
-    for (size_t k = 0; k < slot.size(); ++k) cluster[leader[k]].push_back(slot[k]);
-    std::map<int, int> twin;
-    for (const auto& [first, member] : cluster) {
-        for (size_t last = 1; last < member.size(); ++last) {
-            const int other = near_in_another_split(pose, member, last, angle);
-            if (other >= 0) twin.emplace(member[last], other);
+    skin::Pose operator()(int64_t slot) {
+        if (!sample_[static_cast<size_t>(slot)].readable) return not_finite;
+        try {
+            if (slot == first_ + held_) load(slot);
+            if (slot >= first_ && slot < first_ + held_) return pose_of(block_, slot - first_);
+            return pose_of(file_.read_rows<double>("/samples/pose", slot, 1), 0);
+        } catch (const Error&) {
+            return not_finite;
         }
     }
-    for (const auto& [sample, other] : twin)
-        defect.push_back("/samples/split[" + std::to_string(sample) + "]: nearly the pose of sample " +
-                         std::to_string(other) + ", which is in another split");
+
+  private:
+    static constexpr int64_t rows = 512;
+    const skin::Pose not_finite = skin::Pose::Constant(1, 3, std::nan(""));
+
+    void load(int64_t slot) {
+        const int64_t count = std::min<int64_t>(rows, static_cast<int64_t>(sample_.size()) - slot);
+        block_ = file_.read_rows<double>("/samples/pose", slot, count);
+        first_ = slot;
+        held_ = count;
+    }
+    static skin::Pose pose_of(const files::Array<double>& array, int64_t row) {
+        const int64_t width = array.shape[1] * array.shape[2];
+        return Eigen::Map<const skin::Pose>(array.value.data() + row * width, array.shape[1], 3);
+    }
+
+    const files::Hdf5File& file_;
+    const std::vector<Named>& sample_;
+    files::Array<double> block_;
+    int64_t first_ = 0, held_ = 0;
+};
+
+void check_splits(const files::DatasetReader& reader, const std::vector<Named>& sample, Lines& defect) {
+    if (!reader.header().body) return;
+    std::vector<std::int8_t> split;
+    for (const Named& one : sample) split.push_back(one.split);
+    StoredPoses stored(reader.file(), sample);
+    for (const skin::SplitLeak& leak :
+         skin::split_leaks([&](int64_t slot) { return stored(slot); }, split, reader.header().duplicate_angle))
+        defect.push_back("/samples/split[" + std::to_string(leak.pose) + "]: nearly the pose of sample " +
+                         std::to_string(leak.other) + ", which is in another split");
 }
 
 void check_samples(const files::DatasetReader& reader, const ValidateOptions& options, Validation& result) {
     const SampleChecker checker(reader.header());
     const int count = reader.sample_count();
     std::vector<Lines> defect(static_cast<size_t>(count));
-    std::vector<Pose> pose(static_cast<size_t>(count));
+    std::vector<Named> named(static_cast<size_t>(count));
     std::vector<char> accepted(static_cast<size_t>(count), 0);
     std::mutex mutex;
     int done = 0;
     parallel_for(count, std::max(options.jobs, 1), [&](int, int slot) {
         try {
-            files::SampleRecord sample = reader.read(slot);
+            const files::SampleRecord sample = reader.read(slot);
             defect[slot] = checker.defects(sample, reader.stored_digest(slot), slot);
             accepted[slot] = sample.status == 0;
-            pose[slot] = {sample.id, sample.split, std::move(sample.pose)};
+            named[slot] = {sample.id, static_cast<std::int8_t>(sample.split), true};
         } catch (const Error& error) {
             defect[slot] = {error.what() + std::string(" (sample ") + std::to_string(slot) + ")"};
-            pose[slot].id = -1 - slot;
         }
         const std::lock_guard lock(mutex);
         if (options.step) options.step(++done, count);
     });
     for (const Lines& lines : defect) result.defect.insert(result.defect.end(), lines.begin(), lines.end());
     result.accepted = static_cast<int>(std::count(accepted.begin(), accepted.end(), 1));
-    check_ids(pose, result.defect);
-    check_splits(pose, reader.header().duplicate_angle, result.defect);
+    check_ids(named, result.defect);
+    check_splits(reader, named, result.defect);
 }
 
 void refuse_others(const files::Hdf5File& file) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,16 +10,26 @@ namespace toile::generate {
 
 struct Validation {
     int samples = 0, accepted = 0;
+    int recomputed = 0;               ///< samples made again
     std::vector<std::string> defect;  ///< one line each: "/samples/cloth[3]: what is wrong"
+    std::vector<std::string> remark;  ///< what is no defect, but good to know
+};
+
+/// How many samples to make again: so many where `count` is positive, else a share of them.
+struct RecomputeChoice {
+    double share = 0;
+    std::int64_t count = 0;
 };
 
 struct ValidateOptions {
+    std::optional<RecomputeChoice> recompute;       ///< of a data set (`recompute_samples`)
+    std::string dataset;                            ///< of predictions: the data set they are for; may be empty
     int jobs = 1;                                   ///< samples checked side by side; the result does not depend on it
     std::function<void(int done, int total)> step;  ///< called after each sample, one call at a time
 };
 
-/// Checks any file of ours: a data set, a projection, a problem, a noise floor, or a replay, told apart by their
-/// datasets.
+/// Checks any file of ours: a data set, a projection, a problem, predictions, a noise floor, or a replay, told apart by
+/// their datasets.
 Validation validate_file(const std::string& path, const ValidateOptions& options = {});
 
 /// Checks a dataset file from the file alone and returns everything that is wrong with it, in a fixed order:

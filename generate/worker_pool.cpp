@@ -1,7 +1,6 @@
 #include "generate/worker_pool.h"
 
 #include <poll.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <chrono>
@@ -60,11 +59,8 @@ struct Death {
 
 Death death_of(Worker& worker) {
     const int status = worker.process->end();
-    if (worker.last_words && worker.last_words->kind == Kind::out_of_memory)
-        return {WorkerFailure::out_of_memory, "its memory limit is used up"};
     if (worker.last_words) return {WorkerFailure::crashed, worker.last_words->bytes};
-    const bool killed = WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL;
-    return {killed ? WorkerFailure::out_of_memory : WorkerFailure::crashed, describe_end(status)};
+    return {ran_out_of_memory(status) ? WorkerFailure::out_of_memory : WorkerFailure::crashed, describe_end(status)};
 }
 
 class Pool {
@@ -183,7 +179,6 @@ class Pool {
                 return;
             case Kind::error:
                 throw_error(message);
-            case Kind::out_of_memory:
             case Kind::other_exception:
                 worker.last_words = std::move(message);
                 return;

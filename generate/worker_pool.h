@@ -38,8 +38,8 @@ struct WorkResult {
 /// any time during the call.
 ///
 /// An index is tried again, once, in a new process where its first one died (`crashed`) or ran out of memory:
-/// std::bad_alloc, or SIGKILL, which the kernel sends where its memory is used up. After the latter it is tried while
-/// no other index is in work. So is an index with an exception that is no toile::Error: a failure of ours on this
+/// an allocation failed, or SIGKILL, which the kernel sends where its memory is used up. After the latter it is tried
+/// while no other index is in work. So is an index with an exception that is no toile::Error: a failure of ours on this
 /// input. It is `crashed`.
 ///
 /// Throws the toile::Error that `start` or `make` threw in a worker; Error where two workers in a row run out of memory

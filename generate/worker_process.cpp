@@ -22,6 +22,8 @@ namespace {
 
 using Kind = WorkerMessage::Kind;
 
+constexpr int out_of_memory_exit = 117;  // a status that nothing else ends with
+
 struct FrameHeader {
     std::uint32_t kind;
     std::int32_t index;
@@ -72,13 +74,19 @@ void offer_to_out_of_memory_killer() {
     ::close(file);
 }
 
+/// An allocation that fails ends the worker where it stands: std::bad_alloc would not reach the parent from a thread,
+/// or through a function that lets no exception out.
+void end_where_memory_does() {
+    std::set_new_handler([] { ::_exit(out_of_memory_exit); });
+}
+
 /// Runs `work`; an exception is sent to the parent and ends the worker.
 template <typename Work>
 auto reported(int socket, int index, const Work& work) {
     try {
         return work();
     } catch (const std::bad_alloc&) {
-        send_frame(socket, Kind::out_of_memory, index);
+        ::_exit(out_of_memory_exit);
     } catch (const Error& error) {
         send_frame(socket, Kind::error, index, error.what() + ('\0' + error.where()) + '\0' + error.mend());
     } catch (const std::filesystem::filesystem_error& error) {
@@ -99,6 +107,7 @@ auto reported(int socket, int index, const Work& work) {
     for (const int descriptor : options.parents_descriptor) ::close(descriptor);
     offer_to_out_of_memory_killer();
     limit_memory(options.memory_limit);
+    end_where_memory_does();
     const MakeBytes make = reported(socket, 0, start);
     send_frame(socket, Kind::started, 0);
     for (;;) {
@@ -185,7 +194,14 @@ void throw_error(const WorkerMessage& message) {
                 message.bytes.substr(second + 1));
 }
 
+bool ran_out_of_memory(int wait_status) {
+    if (WIFSIGNALED(wait_status)) return WTERMSIG(wait_status) == SIGKILL;
+    return WEXITSTATUS(wait_status) == out_of_memory_exit;
+}
+
 std::string describe_end(int wait_status) {
+    if (WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == out_of_memory_exit)
+        return "no memory is left to allocate";
     if (!WIFSIGNALED(wait_status)) return "exit status " + std::to_string(WEXITSTATUS(wait_status));
     const int number = WTERMSIG(wait_status);
     return "signal " + std::to_string(number) + " (" + ::strsignal(number) + ")";

@@ -25,7 +25,6 @@ struct WorkerMessage {
         started,         ///< `start` has returned
         begun,           ///< `index` is in work
         made,            ///< `bytes` of `index`
-        out_of_memory,   ///< std::bad_alloc; the worker ends
         error,           ///< toile::Error; `bytes` holds its texts, see throw_error; the worker ends
         other_exception  ///< `bytes` is its text; the worker ends
     };
@@ -67,6 +66,9 @@ class WorkerProcess {
 
 /// Throws the toile::Error that a worker sent.
 [[noreturn]] void throw_error(const WorkerMessage& message);
+
+/// Whether an allocation failed, or the kernel may have ended the process because its memory was used up: SIGKILL.
+bool ran_out_of_memory(int wait_status);
 
 /// "signal 11 (Segmentation fault)" or "exit status 3".
 std::string describe_end(int wait_status);

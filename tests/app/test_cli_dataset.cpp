@@ -48,8 +48,10 @@ TEST_F(CliDataset, RunWritesADatasetThatValidatesAndPictures) {
     const Outcome outcome = run("run scene.toml --out d --set output.look=[1]");
     ASSERT_EQ(outcome.status, 0) << outcome.err << outcome.out;
     EXPECT_THAT(outcome.out, HasSubstr("2 of 2 accepted"));
-    EXPECT_THAT(files(), ElementsAre("d", "d/config.toml", "d/dataset.h5", "d/dataset.timing.h5", "d/displacements.png",
-                                     "d/pose_0001.glb", "scene.toml"));
+    EXPECT_THAT(files(), ElementsAre("d", "d/CARD.md", "d/config.toml", "d/dataset.h5", "d/dataset.timing.h5",
+                                     "d/displacements.png", "d/pose_0001.glb", "d/samples.png", "scene.toml"));
+    EXPECT_THAT(bytes("d/CARD.md"), HasSubstr("| command | `toile run scene.toml --out d --set 'output.look=[1]'` |"));
+    EXPECT_THAT(bytes("d/CARD.md"), HasSubstr("| body | MIT, made by toile's code |"));
     const files::DatasetReader dataset(path("d/dataset.h5"));
     EXPECT_EQ(dataset.sample_count(), 2);
     char a_sample[32];
@@ -68,6 +70,36 @@ TEST_F(CliDataset, RunWritesADatasetThatValidatesAndPictures) {
     expect_refused("validate damaged.h5", "damaged.h5");
     write("cut.h5", damaged.substr(0, damaged.size() / 3));
     expect_refused("validate cut.h5", "cut.h5");
+}
+
+TEST_F(CliDataset, SamplesMadeAgainAreTheSame) {
+    ASSERT_EQ(run("generate scene.toml --out d").status, 0);
+    const Outcome same = run("validate d/dataset.h5 --recompute 100%");
+    EXPECT_EQ(same.status, 0) << same.err << same.out;
+    EXPECT_THAT(same.out, HasSubstr("made again       2 samples"));
+    const Outcome one = run("validate dataset.h5 --recompute 1", "cd d;");
+    EXPECT_EQ(one.status, 0) << one.err << one.out;
+    EXPECT_THAT(one.out, HasSubstr("made again       1 samples"));
+
+    files::Hdf5File file = files::Hdf5File::edit(path("d/dataset.h5"));
+    std::vector<std::uint8_t> digest = file.read<std::uint8_t>("/samples/digest", {2, 16}).value;
+    digest[16] ^= 1;
+    file.write_rows("/samples/digest", 1, 1, &digest[16]);
+    file.close();
+    const Outcome other = run("validate d/dataset.h5 --recompute 100%");
+    EXPECT_EQ(other.status, 2);
+    EXPECT_THAT(other.out, HasSubstr("/samples/digest[1]: pose 1 made again is another sample: it is stored accepted"));
+    EXPECT_THAT(other.out, Not(HasSubstr("pose 0 made again")));
+}
+
+TEST_F(CliDataset, SamplesOfAnotherConfigurationAreNotMadeAgain) {
+    ASSERT_EQ(run("generate scene.toml --out d --set poses.count=1").status, 0);
+    files::Hdf5File file = files::Hdf5File::edit(path("d/dataset.h5"));
+    file.set_attribute("/", "config_hash", std::string(32, '0'));
+    file.close();
+    expect_refused("validate d/dataset.h5 --recompute 1", "is not what the data set was made from");
+    expect_refused("validate d/dataset.h5 --recompute some", "neither a share");
+    expect_refused("validate d/dataset.h5 --dataset d/dataset.h5", "only predictions");
 }
 
 TEST_F(CliDataset, JobsDoNotChangeAByte) {
@@ -145,6 +177,11 @@ TEST_F(CliDataset, ShardsHoldTheSamplesOfASingleRun) {
     }
     ASSERT_EQ(run("generate scene.toml --out d --resume").status, 0) << "joins what is complete";
     EXPECT_EQ(run("validate d/dataset.h5").status, 0);
+    EXPECT_EQ(run("merge d").status, 0);
+    EXPECT_EQ(run("validate d/dataset.h5").status, 0) << "what refers to the shards";
+    EXPECT_EQ(run("merge d --copy").status, 0);
+    EXPECT_TRUE(bytes("d/dataset.h5") == bytes("whole/dataset.h5"));
+    EXPECT_THAT(run("status d").out, HasSubstr("2: 2 finished"));
 }
 
 TEST_F(CliDataset, ADamagedSampleOfAFinishedDatasetIsMadeAgain) {

@@ -40,7 +40,7 @@ class CliMerge : public CliTest {
 TEST_F(CliMerge, JoinsTheShards) {
     const Outcome referring = run("merge c");
     EXPECT_EQ(referring.status, 0) << referring.err;
-    EXPECT_THAT(referring.out, HasSubstr("7 of 4 parts in 2 shards, 7 accepted; they stay in the shards"));
+    EXPECT_THAT(referring.out, HasSubstr("7 from 4 parts in 2 shards, 7 accepted; they stay in the shards"));
     EXPECT_EQ(files::DatasetReader(path("c/dataset.h5")).read(6).id, 106);
     const Outcome copied = run("merge c --copy");
     EXPECT_EQ(copied.status, 0) << copied.err;

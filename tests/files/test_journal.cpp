@@ -87,10 +87,22 @@ TEST_F(JournalTest, PassesOverADamagedRecordAndKeepsThoseBehindIt) {
     EXPECT_EQ(Journal(path()).damaged(), 1);
 }
 
-TEST_F(JournalTest, EndsWhereALengthCannotBe) {
-    write_three();
-    flip_byte(15);  // the highest byte of the first record's length
-    EXPECT_TRUE(records().empty());
+TEST_F(JournalTest, FindsTheRecordsBehindADamagedHeading) {
+    for (const int byte : {0, 7, 8, 15, 20}) {  // mark, lowest and highest byte of the length, digest
+        fs::remove(path());
+        write_three();
+        flip_byte(byte);
+        EXPECT_THAT(records(), ElementsAre("", "three")) << byte;
+        EXPECT_EQ(Journal(path()).damaged(), 1) << byte;
+    }
+    fs::remove(path());
+    {
+        Journal journal(path());
+        journal.append(std::string((1 << 20) - 4, 'x'));  // the next mark lies across two reads of the search
+        journal.append("two");
+    }
+    flip_byte(0);
+    EXPECT_THAT(records(), ElementsAre("two"));
 }
 
 TEST_F(JournalTest, NoticesARecordThatChangesUnderIt) {

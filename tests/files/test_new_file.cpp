@@ -77,6 +77,15 @@ TEST_F(NewFileTest, ACommitSurvivesAPowerCut) {
                                             "sync " + folder_.filename().string()));
 }
 
+TEST_F(NewFileTest, WhatIsSoonReplacedIsNotSynced) {
+    std::vector<std::string> calls;
+    disk_calls = &calls;
+    write_text_file(path(), "passing", NewFile::Survives::kill);
+    disk_calls = nullptr;
+    EXPECT_THAT(calls, testing::ElementsAre("rename a.txt.partial a.txt"));
+    EXPECT_EQ(text_of(path()), "passing");
+}
+
 TEST_F(NewFileTest, AFileBesideTheProgramIsCommittedToo) {
     const std::filesystem::path before = std::filesystem::current_path();
     std::filesystem::current_path(folder_);

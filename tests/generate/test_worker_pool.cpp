@@ -195,7 +195,7 @@ TEST_F(WorkerPool, AWorkerThatDiesTwiceCostsItsIndexOnly) {
         {[] { throw std::runtime_error("a library's own"); }, WorkerFailure::crashed, "a library's own"},
         {[] { throw 7; }, WorkerFailure::crashed, "an exception without a text"},
         {[] { ::kill(::getpid(), SIGKILL); }, WorkerFailure::out_of_memory, "signal 9 (Killed)"},
-        {[] { throw std::bad_alloc(); }, WorkerFailure::out_of_memory, "its memory limit is used up"}};
+        {[] { throw std::bad_alloc(); }, WorkerFailure::out_of_memory, "no memory is left to allocate"}};
     for (const int workers : {1, 4}) {
         options_.workers = workers;
         for (const Case& one : all) {
@@ -249,11 +249,15 @@ TEST_F(WorkerPool, AMemoryLimitFailsTheIndexThatNeedsMore) {
             std::vector<std::unique_ptr<std::vector<char>>> block;  // ends by the limit, in any order of what is freed
             for (int i = 0; i < 1000; ++i) block.push_back(std::make_unique<std::vector<char>>(10'000'000, 'm'));
         }
+        if (index == 4) {  // where no exception can get out
+            std::thread([] { const std::vector<double> huge(size_t{1} << 40); }).join();
+        }
         if (index == 5) return std::string(std::vector<double>(size_t{1} << 40, 1.0).size(), 'x');
         return bytes_of(index);
     });
-    expect_made(taken, 8, {3, 5});
+    expect_made(taken, 8, {3, 4, 5});
     EXPECT_EQ(taken.at(3).failure, WorkerFailure::out_of_memory);
+    EXPECT_EQ(taken.at(4).failure, WorkerFailure::out_of_memory);
     EXPECT_EQ(taken.at(5).failure, WorkerFailure::out_of_memory);
 }
 

@@ -167,16 +167,15 @@ class CorpusUnderSlurm(unittest.TestCase):
         self.expect_single_runs_bytes()
 
     def test_retry_after_a_failure(self):
-        os.makedirs(self.folder)
-        in_the_way = f"{self.folder}/shard_00002_of_{SHARDS:05d}"
-        open(in_the_way, "w").close()
+        in_the_way = f"{self.folder}/shard_00002_of_{SHARDS:05d}/lock"  # a folder where toile must have a file
+        os.makedirs(in_the_way)
         array, merge = self.submit()
         self.wait_for_end([f"{array}_{shard}" for shard in range(SHARDS) if shard != 2])
         self.wait_for_end([f"{array}_2"], state="FAILED")
-        wait_until("the merge's end", lambda: self.slurm.state(merge) in ("COMPLETED", "FAILED"))
-        self.assertIn("missing", self.log("merge"))
+        self.wait_for_end([merge], state="FAILED")
+        self.assertIn("missing          6 samples", self.log("merge"))
 
-        os.remove(in_the_way)
+        os.rmdir(in_the_way)
         array, merge = self.submit("--array=2")
         self.wait_for_end([f"{array}_2", merge])
         self.expect_single_runs_bytes()
