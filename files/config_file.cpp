@@ -8,6 +8,7 @@
 #include "cloth/error.h"
 #include "files/config_document.h"
 #include "files/digest.h"
+#include "files/toml_text.h"
 
 namespace toile::files {
 
@@ -20,8 +21,7 @@ using detail::quote;
 namespace {
 
 constexpr size_t largest_config = 4 << 20;
-// Each level of tables takes stack, in toml++ as here, and costs a dot.
-constexpr std::ptrdiff_t most_dots = 20'000, most_override_dots = 20;
+constexpr std::ptrdiff_t most_override_dots = 20;  // more than any key has
 
 std::string read_text(const std::string& path) {
     std::error_code failure;
@@ -42,8 +42,7 @@ std::string first_line(std::string text) {
 }
 
 toml::table parse(const std::string& text, const std::string& source) {
-    if (std::count(text.begin(), text.end(), '.') > most_dots)
-        throw Error("this has more than " + std::to_string(most_dots) + " dots: not a configuration", source);
+    check_toml_text(text, source);
     try {
         return toml::parse(text, source);
     } catch (const toml::parse_error& error) {
@@ -56,10 +55,11 @@ toml::table parse(const std::string& text, const std::string& source) {
 /// The value of an override: TOML if it reads as one value, else the bare text.
 toml::table override_value(const std::string& text, const std::string& source) {
     try {
+        check_toml_text("value = " + text, source);
         toml::table parsed = toml::parse("value = " + text, source);
         if (parsed.size() == 1 && parsed.contains("value")) return parsed;
-    } catch (const toml::parse_error&) {
-        // not TOML: a bare word
+    } catch (const toml::parse_error&) {  // not TOML: a bare word
+    } catch (const Error&) {              // the same
     }
     return parse("value = " + quote(text), source);
 }

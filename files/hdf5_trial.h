@@ -7,12 +7,12 @@
 
 namespace toile::files {
 
-/// Whether the structures of an HDF5 file have checksums, as those that toile writes do. HDF5's first format, which
-/// h5py writes unless it is told otherwise, has none. Internal to files/, as all here.
-bool has_checksums(const std::string& path);
-
-/// Reads whatever the file holds, of large datasets the first and the last row, in a child process: over damage that no
-/// checksum shows HDF5 1.10 may crash. Throws Error where it does. `open` opens the file, and is called there.
+/// Opens everything in an HDF5 file in a child process, with `open`, which is called there alone: over damage HDF5 1.10
+/// may crash, or run on for ever. Throws Error where it does. Once for each file and process, until the file changes.
+///
+/// In a file that has checksums on its structures, as those that toile writes, that is all: values have their own. In
+/// HDF5's first format, which h5py writes unless it is told otherwise and which has none, values are read too; of large
+/// datasets the first and the last row. Internal to files/.
 void try_reading(const std::string& path, const std::function<Hdf5File()>& open);
 
 }  // namespace toile::files

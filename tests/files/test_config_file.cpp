@@ -175,6 +175,17 @@ TEST_F(ConfigFileTest, RefusesFilesThatAreNotConfigurations) {
     EXPECT_THAT(error("[body]\n", {nested + "=1"}), HasSubstr("more parts than any that is known"));
 }
 
+TEST_F(ConfigFileTest, TakesLettersWithAccentsInTextsAlone) {
+    EXPECT_EQ(read("# \u00e9t\u00e9\n[body]\nname = \"\u00e9t\u00e9 \\\"\u00e9\"  # \u00e9\n").name,
+              "\u00e9t\u00e9 \"\u00e9");
+    EXPECT_EQ(read("[body]\nname = '\u00e9t\u00e9'\n").name, "\u00e9t\u00e9");
+    EXPECT_EQ(read("[body]\nname = \"\"\"\u00e9\"t\"\\\n  \\\"\u00e9\"\"\"\n").name, "\u00e9\"t\"\"\u00e9");
+    EXPECT_EQ(read("[body]\n", {"body.name=\u00e9t\u00e9"}).name, "\u00e9t\u00e9");
+    for (const char* text : {"\u00e9 = 1\n", "[body]\nheight = 1\u00e9\n", "[body\u00e9]\n",
+                             "[body]\nname = \"\"\"a\\\u00e9\"\"\"\n", "[body]\nname = \"\"\"a\\\n \u00e9\"\"\"\n"})
+        EXPECT_THAT(error(text), HasSubstr("not ASCII (")) << text;
+}
+
 TEST_F(ConfigFileTest, RefusesPathsThatLeadNowhere) {
     EXPECT_THAT(error("[body]\nfile = \"absent.obj\"\n"), HasSubstr("not there"));
     EXPECT_THAT(error("[body]\nfile = \".\"\n"), HasSubstr("is not a file"));

@@ -200,6 +200,14 @@ TEST_F(Hdf5FileTest, RefusesFilesThatAreNotHdf5) {
     EXPECT_THAT(error_of([&] { Hdf5File::open(path("text.h5")); }).what(), HasSubstr("not an HDF5 file"));
 }
 
+TEST_F(Hdf5FileTest, RefusesAFileThatHdf5ReadsForEver) {
+    // found by tests/fuzz: HDF5's global heap has no checksum, and here an object in it has no size
+    const std::string path = std::string(TOILE_SOURCE_DIR) + "/tests/files/endless_heap.h5";
+    const Error refused = error_of([&] { Hdf5File::open(path); });
+    EXPECT_THAT(refused.what(), HasSubstr("does not come to an end"));
+    EXPECT_EQ(refused.where(), path);
+}
+
 TEST_F(Hdf5FileTest, RefusesTruncatedFiles) {
     const std::string whole = bytes_of(valid());
     for (const double share : {0.1, 0.5, 0.9, 0.999}) {

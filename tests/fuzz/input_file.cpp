@@ -34,6 +34,7 @@ InputFile::~InputFile() {
 }
 
 const std::string& InputFile::write(const uint8_t* data, size_t size) const {
+    std::remove(path_.c_str());  // another file, not the same one changed: readers tell them apart
     std::ofstream file(path_, std::ios::binary | std::ios::trunc);
     file.write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
     file.close();
