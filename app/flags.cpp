@@ -33,13 +33,19 @@ void add_generate_flags(CLI::App& command, Flags& flags) {
         .add_option("--memory-limit", flags.memory_limit,
                     "memory that one worker process may take, for example 4GB; a pose that needs more fails alone")
         ->type_name("SIZE")
-        ->transform(CLI::AsSizeValue(false));
+        ->transform(CLI::AsSizeValue(false))
+        ->transform([](const std::string& text) {  // which AsSizeValue would let wrap around
+            if (text.find('-') != std::string::npos) throw CLI::ValidationError("--memory-limit", "is negative");
+            return text;
+        });
 }
 
 void add_shard_flag(CLI::App& command, Flags& flags) {
     command
         .add_option("--shard", flags.shard, "makes part I of N alone, I from 0 to N - 1; toile merge DIR joins them")
-        ->type_name("I/N");
+        ->type_name("I/N")
+        // an unset variable of a job script, which would else ask for the whole corpus
+        ->check([](const std::string& text) { return std::string(text.empty() ? "is empty" : ""); });
 }
 
 void add_jobs_flag(CLI::App& command, Flags& flags) {

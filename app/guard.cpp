@@ -11,8 +11,11 @@
 namespace toile::app {
 namespace {
 
-/// On one line, whatever a file name or a library's message holds.
+constexpr size_t longest_line = 1000;
+
+/// On one line, and not a long one, whatever a file name or a library's message holds.
 std::string one_line(std::string text) {
+    if (text.size() > longest_line) text = text.substr(0, longest_line) + " ...";
     for (char& c : text)
         if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
     return text;

@@ -2,10 +2,13 @@
 function(toile_compile_options target)
   # g++ 12 warns of overlaps in std::string's operator+ that are not there (its bug 105651).
   # -Wno-psabi: functions that take SIMD lanes (cloth/lane.h) are always inlined, so they have no calling convention.
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wno-restrict -Wno-psabi)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> -Wno-psabi)
   if(TOILE_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
     target_link_options(${target} PUBLIC -fsanitize=address,undefined)
+  endif()
+  if(TOILE_FUZZ)
+    target_compile_options(${target} PRIVATE -fsanitize=fuzzer-no-link)
   endif()
 endfunction()
 

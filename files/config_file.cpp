@@ -20,6 +20,8 @@ using detail::quote;
 namespace {
 
 constexpr size_t largest_config = 4 << 20;
+// Each level of tables takes stack, in toml++ as here, and costs a dot.
+constexpr std::ptrdiff_t most_dots = 20'000, most_override_dots = 20;
 
 std::string read_text(const std::string& path) {
     std::error_code failure;
@@ -40,6 +42,8 @@ std::string first_line(std::string text) {
 }
 
 toml::table parse(const std::string& text, const std::string& source) {
+    if (std::count(text.begin(), text.end(), '.') > most_dots)
+        throw Error("this has more than " + std::to_string(most_dots) + " dots: not a configuration", source);
     try {
         return toml::parse(text, source);
     } catch (const toml::parse_error& error) {
@@ -66,6 +70,8 @@ void apply_override(toml::table& tree, const std::string& text) {
     const bool dots = key.empty() || key.front() == '.' || key.back() == '.' || key.find("..") != std::string::npos;
     if (equals == std::string::npos || dots)
         throw Error(quote(text) + " is not key=value", "--set", "write for example --set poses.count=4");
+    if (std::count(key.begin(), key.end(), '.') > most_override_dots)
+        throw Error("the key has more parts than any that is known", "--set " + key.substr(0, 40) + "...");
     toml::table* table = &tree;
     size_t begin = 0;
     for (size_t dot; (dot = key.find('.', begin)) != std::string::npos; begin = dot + 1) {

@@ -107,7 +107,10 @@ AccessorData read_accessor(const tinygltf::Model& model, int index, int componen
     const size_t size = size_of(accessor.componentType);
     if (size == 0 || tinygltf::GetNumComponentsInType(static_cast<uint32_t>(accessor.type)) != components)
         throw Error("accessor " + std::to_string(index) + " is not of the type its use asks for", path);
-    if (accessor.count > 100'000'000) throw Error("accessor " + std::to_string(index) + " is too large", path);
+    if (accessor.count > 30'000'000) throw Error("accessor " + std::to_string(index) + " is too large", path);
+    // Zeros but for sparse replacements: nothing in the file bears out the count.
+    if (accessor.bufferView < 0 && accessor.count > 1'000'000)
+        throw Error("accessor " + std::to_string(index) + " is too large to have no buffer", path);
     const size_t per_element = static_cast<size_t>(components);
     Elements run{nullptr, 0};
     if (accessor.bufferView >= 0 || !accessor.sparse.isSparse)

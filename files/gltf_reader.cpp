@@ -14,9 +14,12 @@
 #include "cloth/error.h"
 #include "files/gltf_accessor.h"
 #include "files/mesh_scene.h"
+#include "files/trial_run.h"
 
 namespace toile::files {
 namespace {
+
+constexpr Eigen::Index most_vertices = 10'000'000;
 
 bool skip_image(tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int, void*) {
     return true;
@@ -27,23 +30,16 @@ std::string whole(double value) {
     return std::abs(value) < 1e15 ? std::to_string(std::llround(value)) : std::to_string(value);
 }
 
-tinygltf::Model load_model(const std::string& path) {
-    check_readable(path);
-    std::ifstream stream(path, std::ios::binary);
-    const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
-    if (bytes.size() > std::numeric_limits<unsigned>::max()) throw Error("the file is too large", path);
-    const bool binary = bytes.starts_with("glTF");
-    if (!binary && bytes.find_first_not_of(" \t\r\n\xef\xbb\xbf") != bytes.find('{'))
-        throw Error("the file is no glTF, text or binary", path);
+/// Returns what is wrong, or nothing.
+std::string parse(const std::string& bytes, const std::string& path, tinygltf::Model& model) {
     const unsigned size = static_cast<unsigned>(bytes.size());
     const std::string folder = std::filesystem::path(path).parent_path().string();
     tinygltf::TinyGLTF loader;
     loader.SetImageLoader(skip_image, nullptr);
-    tinygltf::Model model;
     std::string reason, warning;
     bool done = false;
     try {
-        if (binary)
+        if (bytes.starts_with("glTF"))
             done = loader.LoadBinaryFromMemory(&model, &reason, &warning,
                                                reinterpret_cast<const unsigned char*>(bytes.data()), size, folder);
         else
@@ -51,7 +47,24 @@ tinygltf::Model load_model(const std::string& path) {
     } catch (const std::exception& error) {
         reason = error.what();
     }
-    if (!done) throw Error("cannot read the glTF file: " + one_line(reason.empty() ? "damaged" : reason), path);
+    return done ? "" : reason.empty() ? "damaged" : reason;
+}
+
+tinygltf::Model load_model(const std::string& path) {
+    check_readable(path);
+    std::ifstream stream(path, std::ios::binary);
+    const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+    if (bytes.size() > std::numeric_limits<unsigned>::max()) throw Error("the file is too large", path);
+    if (!bytes.starts_with("glTF") && bytes.find_first_not_of(" \t\r\n\xef\xbb\xbf") != bytes.find('{'))
+        throw Error("the file is no glTF, text or binary", path);
+    // Lists nested thousands deep make the parser run out of stack.
+    const std::string complaint = trial_run(path, 5 + 2 * static_cast<int>(bytes.size() >> 20), [&] {
+        tinygltf::Model model;
+        return parse(bytes, path, model);
+    });
+    if (!complaint.empty()) throw Error("cannot read the glTF file: " + one_line(complaint), path);
+    tinygltf::Model model;
+    parse(bytes, path, model);
     for (const std::string& extension : model.extensionsRequired)
         if (extension.find("draco") != std::string::npos || extension.find("meshopt") != std::string::npos)
             throw Error("the file is compressed with " + extension + ", which is not read", path,
@@ -242,6 +255,7 @@ RiggedFile read_gltf(const std::string& path) {
     RiggedFile file;
     const std::vector<int> node_index = add_nodes(model, path, file);
     const PrimitiveReader reader{model, path, node_index};
+    Eigen::Index vertices = 0;
     for (size_t n = 0; n < model.nodes.size(); ++n) {
         const tinygltf::Node& node = model.nodes[n];
         if (node.mesh < 0) continue;
@@ -250,6 +264,10 @@ RiggedFile read_gltf(const std::string& path) {
         for (const tinygltf::Primitive& primitive : model.meshes[node.mesh].primitives) {
             RiggedMesh mesh = reader.read(node, node_index[n], primitive);
             for (RiggedBone& bone : mesh.bone) bone.name = file.node[bone.node].name;
+            // A few bytes can show one mesh many times over.
+            vertices += mesh.position.rows();
+            if (vertices > most_vertices)
+                throw Error("the scene has more than " + std::to_string(most_vertices) + " vertices", path);
             if (mesh.triangle.rows() > 0) file.mesh.push_back(std::move(mesh));
         }
     }

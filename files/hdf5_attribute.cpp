@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cloth/error.h"
+#include "files/hdf5_claim.h"
 #include "files/hdf5_file.h"
 #include "files/hdf5_handle.h"
 
@@ -16,6 +17,15 @@ Handle open_attribute(const Hdf5File& file, hid_t object, const std::string& nam
 
 [[noreturn]] void refuse(const Hdf5File& file, const std::string& name, const std::string& key, const char* expected) {
     throw Error("the attribute \"" + key + "\" does not hold " + expected, file.path() + ":" + name);
+}
+
+bool fits_file(hid_t attribute, hid_t type, hid_t space) {
+    try {
+        check_stored_claim(attribute, H5Sget_simple_extent_npoints(space), H5Tget_size(type));
+        return true;
+    } catch (const Error&) {
+        return false;
+    }
 }
 
 void replace_attribute(hid_t object, const std::string& key, hid_t type, hid_t space, const void* value) {
@@ -59,7 +69,7 @@ std::vector<std::string> Hdf5File::strings_attribute(const std::string& name, co
     const Handle attribute = open_attribute(*this, object, name, key);
     const Handle type(H5Aget_type(attribute), H5Tclose);
     const Handle space(H5Aget_space(attribute), H5Sclose);
-    if (H5Tget_class(type) != H5T_STRING) refuse(*this, name, key, "text");
+    if (H5Tget_class(type) != H5T_STRING || !fits_file(attribute, type, space)) refuse(*this, name, key, "text");
     return strings_of(type, space, [&](hid_t memory, void* buffer) { return H5Aread(attribute, memory, buffer); });
 }
 
@@ -76,6 +86,7 @@ std::vector<double> Hdf5File::numbers_attribute(const std::string& name, const s
     const Handle type(H5Aget_type(attribute), H5Tclose);
     if (H5Tget_class(type) != H5T_FLOAT && H5Tget_class(type) != H5T_INTEGER) refuse(*this, name, key, "numbers");
     const Handle space(H5Aget_space(attribute), H5Sclose);
+    if (!fits_file(attribute, type, space)) refuse(*this, name, key, "as many numbers as it claims");
     std::vector<double> value(static_cast<size_t>(H5Sget_simple_extent_npoints(space)));
     if (!value.empty() && H5Aread(attribute, H5T_NATIVE_DOUBLE, value.data()) < 0)
         refuse(*this, name, key, "readable numbers");

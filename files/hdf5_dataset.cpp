@@ -1,12 +1,11 @@
 #include <hdf5.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <functional>
-#include <numeric>
 #include <type_traits>
 
 #include "cloth/error.h"
+#include "files/hdf5_claim.h"
 #include "files/hdf5_file.h"
 #include "files/hdf5_handle.h"
 
@@ -43,7 +42,6 @@ template <typename T>
 std::vector<T> read_selected(hid_t dataset, hid_t memory, hid_t space, int64_t count) {
     const Handle type(H5Dget_type(dataset), H5Tclose);
     check_kind<T>(type_text(type));
-    check_memory(count, sizeof(T));
     std::vector<T> value(static_cast<size_t>(count));
     if (count == 0) return value;
     if constexpr (!std::is_floating_point_v<T>) {
@@ -107,16 +105,6 @@ void select_rows(hid_t space, const Shape& shape, int64_t first, int64_t count) 
     H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, size.data(), nullptr);
 }
 
-int64_t element_count(const Shape& shape) {
-    return std::accumulate(shape.begin(), shape.end(), int64_t{1}, std::multiplies<>());
-}
-
-void check_memory(int64_t count, size_t width) {
-    const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-    if (count < 0 || static_cast<double>(count) * static_cast<double>(width) > memory)
-        throw Error("it claims to hold " + std::to_string(count) + " values, more than the memory can");
-}
-
 void check_rows(const Shape& shape, int64_t first, int64_t count) {
     if (shape.empty() || first < 0 || count < 0 || first > shape[0] - count)
         throw Error("has no rows " + std::to_string(first) + " to " + std::to_string(first + count - 1));
@@ -160,6 +148,7 @@ Array<T> Hdf5File::read(const std::string& name) const {
         Shape shape = impl_->shape(space);
         const VirtualDataset* parts = impl_->virtual_dataset(name, dataset);
         if (parts && !parts->part.empty()) return read_rows<T>(name, 0, shape[0]);
+        impl_->check_claims(dataset, name, element_count(shape), sizeof(T));
         return Array<T>{read_selected<T>(dataset, H5S_ALL, H5S_ALL, element_count(shape)), std::move(shape)};
     });
 }
@@ -189,6 +178,7 @@ Array<T> Hdf5File::read_rows(const std::string& name, int64_t first, int64_t cou
         if (parts && !parts->part.empty()) return read_parts<T>(name, *parts, first, count);
         select_rows(space, shape, first, count);
         shape[0] = count;
+        impl_->check_claims(dataset, name, element_count(shape), sizeof(T));
         const Handle memory = dataspace(shape);
         return Array<T>{read_selected<T>(dataset, memory, space, element_count(shape)), std::move(shape)};
     });
@@ -201,6 +191,9 @@ std::vector<std::string> Hdf5File::read_strings(const std::string& name) const {
         const Handle space(H5Dget_space(dataset), H5Sclose);
         const Handle type(H5Dget_type(dataset), H5Tclose);
         if (H5Tget_class(type) != H5T_STRING) throw Error("holds " + type_text(type) + " where strings are expected");
+        const int64_t count = element_count(impl_->shape(space));
+        impl_->check_claims(dataset, name, count, H5Tget_size(type));
+        if (H5Tis_variable_str(type) > 0) check_stored_claim(dataset, count, H5Tget_size(type));
         return strings_of(type, space, [&](hid_t memory, void* buffer) {
             return H5Dread(dataset, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, buffer);
         });

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cloth/error.h"
+#include "files/hdf5_claim.h"
 #include "files/new_file.h"
 
 namespace toile::files {
@@ -53,6 +54,12 @@ Handle Hdf5File::Impl::dataset(const std::string& name) const {
     Handle dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
     if (!dataset.valid()) fail("no such dataset", name);
     return dataset;
+}
+
+void Hdf5File::Impl::check_claims(hid_t dataset, const std::string& name, int64_t count, size_t width) const {
+    auto found = checked.find(name);
+    if (found == checked.end() || writable) found = checked.insert_or_assign(name, check_claim(dataset, path)).first;
+    if (found->second) check_virtual_selection(count, width);
 }
 
 Handle Hdf5File::Impl::object(const std::string& name) const {

@@ -64,6 +64,7 @@ struct Hdf5File::Impl {
     int write_error = 0;  ///< set by the watched driver
     Handle file;
     bool writable = false;
+    mutable std::map<std::string, bool> checked;       ///< datasets whose claims were looked into; true: virtual
     bool is_part = false;                              ///< opened for a virtual dataset of another file
     std::map<std::string, VirtualDataset> virtuals;    ///< those of a file that is read, by name, as they were met
     std::list<std::pair<std::string, Hdf5File>> open;  ///< parts by path, the one used last in front
@@ -73,6 +74,8 @@ struct Hdf5File::Impl {
     /// Error if a write did not reach the disk.
     void check_written() const;
     Handle dataset(const std::string& name) const;
+    /// Throws Error, without a place, where the dataset claims too much for `count` values of `width` bytes to be read.
+    void check_claims(hid_t dataset, const std::string& name, int64_t count, size_t width) const;
     /// What is known of a virtual dataset; null if `dataset` is none.
     const VirtualDataset* virtual_dataset(const std::string& name, hid_t dataset);
     std::string part_path(const VirtualRows& part) const;
@@ -96,11 +99,6 @@ void select_rows(hid_t space, const Shape& shape, int64_t first, int64_t count);
 void check_rows(const Shape& shape, int64_t first, int64_t count);
 
 Handle dataspace(const Shape& shape);
-
-int64_t element_count(const Shape& shape);
-
-/// Refuses to allocate what a damaged header asks for.
-void check_memory(int64_t count, size_t width);
 
 /// HDF5's name for an element type in memory.
 template <typename T>

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "cloth/error.h"
+#include "files/hdf5_claim.h"
 #include "files/hdf5_file.h"
 #include "files/hdf5_handle.h"
 
@@ -79,6 +80,7 @@ void Hdf5File::copy_row(const std::string& name, int64_t row, const Hdf5File& so
         write_row(name, row, source.read_rows<T>(name, source_row, 1).value.data());
         return;
     }
+    check_stored_claim(from, static_cast<int64_t>(std::min<hsize_t>(size, hsize_t{1} << 62)), 1);
     std::vector<unsigned char> bytes(size);
     uint32_t mask = 0;
     if (H5Dread_chunk(from, H5P_DEFAULT, there.data(), &mask, bytes.data()) < 0)

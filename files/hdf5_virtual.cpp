@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "cloth/error.h"
+#include "files/hdf5_claim.h"
 #include "files/hdf5_file.h"
 #include "files/hdf5_handle.h"
 
@@ -154,7 +155,7 @@ Array<T> Hdf5File::read_parts(const std::string& name, const VirtualDataset& who
     check_rows(whole.shape, first, count);
     Array<T> array{{}, whole.shape};
     array.shape[0] = count;
-    check_memory(element_count(array.shape), sizeof(T));
+    check_virtual_selection(element_count(array.shape), sizeof(T));
     array.value.reserve(static_cast<size_t>(element_count(array.shape)));
     int64_t start = 0;
     for (const VirtualRows& part : whole.part) {

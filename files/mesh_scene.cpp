@@ -45,7 +45,7 @@ const aiScene* open_scene(Assimp::Importer& importer, const std::string& path, u
     // assimp's assertions are on in Debian's build, and some damaged files send it round in circles or free memory
     // twice.
     const auto megabytes = static_cast<int>(std::min<std::uintmax_t>(std::filesystem::file_size(path) >> 20, 10'000));
-    const std::string complaint = trial_run(path, 10 + 2 * megabytes, [&]() -> std::string {
+    const std::string complaint = trial_run(path, 5 + 2 * megabytes, [&]() -> std::string {
         const aiScene* scene = importer.ReadFile(path, post_processing);
         const std::string reason = importer.GetErrorString();
         const bool usable = scene && scene->mRootNode;

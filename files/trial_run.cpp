@@ -1,6 +1,7 @@
 #include "files/trial_run.h"
 
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -10,20 +11,38 @@
 #include <cerrno>
 #include <csignal>
 #include <exception>
+#include <fstream>
 
 #include "cloth/error.h"
+
+#if defined(__SANITIZE_ADDRESS__)  // g++
+#define TOILE_ADDRESS_SANITIZER
+#elif defined(__has_feature)  // clang
+#if __has_feature(address_sanitizer)
+#define TOILE_ADDRESS_SANITIZER
+#endif
+#endif
 
 namespace toile::files {
 namespace {
 
+/// What this process has mapped [bytes], which may be much without being used.
+[[maybe_unused]] rlim_t address_space() {
+    rlim_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    return pages * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE));
+}
+
 void limit_child(int cpu_seconds) {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody is left to hear the answer
     for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGXCPU}) std::signal(signal, SIG_DFL);
     const rlimit no_core{0, 0};
     ::setrlimit(RLIMIT_CORE, &no_core);
     const rlimit time{static_cast<rlim_t>(cpu_seconds), static_cast<rlim_t>(cpu_seconds)};
     ::setrlimit(RLIMIT_CPU, &time);
-#ifndef __SANITIZE_ADDRESS__  // whose shadow takes terabytes of addresses
-    const rlimit memory{rlim_t{4} << 30, rlim_t{4} << 30};
+#ifndef TOILE_ADDRESS_SANITIZER  // whose shadow takes terabytes of addresses
+    const rlim_t most = address_space() + (rlim_t{4} << 30);
+    const rlimit memory{most, most};
     ::setrlimit(RLIMIT_AS, &memory);
 #endif
     const int nowhere = ::open("/dev/null", O_WRONLY);

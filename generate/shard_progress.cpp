@@ -20,7 +20,7 @@ ShardProgress read_shard_progress(const std::string& path) {
     if (!file) throw Error("cannot read the shard's progress", path);
     try {
         return nlohmann::json::parse(file).get<ShardProgress>();
-    } catch (const nlohmann::json::exception& error) {
+    } catch (const std::exception& error) {  // a folder by that name is the stream's to refuse
         throw Error(std::string("this is not a shard's progress: ") + error.what(), path);
     }
 }

@@ -32,6 +32,12 @@ TEST(Guard, KeepsToOneLineWhateverANameHolds) {
     EXPECT_EQ(said([]() -> int { throw Error("a\nb\x1b[31m", "c\rd"); }, input_at_fault), "toile: a b [31m (c d)\n");
 }
 
+TEST(Guard, CutsWhatAFileMadeLong) {
+    const std::string line = said([]() -> int { throw Error(std::string(100'000, 'a'), "b.toml"); }, input_at_fault);
+    EXPECT_LT(line.size(), 1100u);
+    EXPECT_EQ(line.substr(line.size() - 13), "... (b.toml)\n");
+}
+
 TEST(Guard, TurnsEveryExceptionIntoAStatus) {
     EXPECT_EQ(said([]() -> int { throw std::bad_alloc(); }, our_failure).rfind("toile: out of memory", 0), 0u);
     EXPECT_EQ(said([]() -> int { throw std::runtime_error("x"); }, our_failure).rfind("toile: internal failure: x", 0),

@@ -169,6 +169,10 @@ TEST_F(ConfigFileTest, RefusesFilesThatAreNotConfigurations) {
     EXPECT_THAT(error(std::string("\x89HDF\r\n\x1a\n\0\0\xff\xfe", 13)), HasSubstr("not valid TOML"));
     EXPECT_THAT(error(std::string(5 << 20, 'a')), HasSubstr("larger than 4 MB"));
     EXPECT_THAT(error(std::string(20000, '[')), HasSubstr("not valid TOML"));
+    std::string nested = "a";
+    for (int level = 0; level < 1'000'000; ++level) nested += ".a";
+    EXPECT_THAT(error(nested + " = 1\n"), HasSubstr("dots: not a configuration"));
+    EXPECT_THAT(error("[body]\n", {nested + "=1"}), HasSubstr("more parts than any that is known"));
 }
 
 TEST_F(ConfigFileTest, RefusesPathsThatLeadNowhere) {

@@ -175,6 +175,22 @@ TEST_F(Hdf5FileTest, RefusesIntegersOutOfRange) {
     EXPECT_THAT(error_of([&] { file.read<uint8_t>("/negative"); }).what(), HasSubstr("-1, out of range"));
 }
 
+TEST_F(Hdf5FileTest, RefusesWhatTheFileCannotHold) {
+    Hdf5File file = Hdf5File::create(path());
+    file.create_rows<double>("/some", 1000, {3}, 4);  // never written, but not many
+    file.create_rows<double>("/many", int64_t{1} << 30, {3}, 4);
+    file.create_rows<double>("/overflow", int64_t{1} << 61, {3}, 4);
+    file.create_rows<float>("/chunk", 1, {1 << 28}, 4);
+    file.close();
+    const Hdf5File again = Hdf5File::open(path());
+    EXPECT_EQ(again.read<double>("/some").value, std::vector<double>(3000, 0.0));
+    for (const char* name : {"/many", "/overflow"}) {
+        EXPECT_THAT(error_of([&] { again.read<double>(name); }).what(), HasSubstr("it claims to ")) << name;
+        EXPECT_THAT(error_of([&] { again.read_rows<double>(name, 7, 2); }).what(), HasSubstr("it claims to ")) << name;
+    }
+    EXPECT_THAT(error_of([&] { again.read<float>("/chunk"); }).what(), HasSubstr("268435456 values"));
+}
+
 TEST_F(Hdf5FileTest, RefusesFilesThatAreNotHdf5) {
     EXPECT_THAT(error_of([&] { Hdf5File::open(path("none.h5")); }).what(), HasSubstr("does not exist"));
     EXPECT_THAT(error_of([&] { Hdf5File::open(folder_.string()); }).what(), HasSubstr("folder"));

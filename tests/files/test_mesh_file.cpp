@@ -199,6 +199,18 @@ TEST(ReadMesh, RefusesFilesItCannotRead) {
     expect_error(write_test_file("index.ply", ply + "0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n"), "", "index.ply");
 }
 
+TEST(ReadMesh, RefusesGltfThatWouldTakeAllStackOrMemory) {
+    const std::string start = "{\"asset\":{\"version\":\"2.0\"},";
+    const std::string nested = start + "\"extras\":" + std::string(200'000, '[') + std::string(200'000, ']') + "}";
+    expect_error(write_test_file("nested.gltf", nested), "", "nested.gltf");
+    const std::string large = start +
+                              "\"accessors\":[{\"componentType\":5126,\"type\":\"VEC3\",\"count\":29000000,\"sparse\":"
+                              "{\"count\":0,\"indices\":{\"bufferView\":0,\"componentType\":5125},"
+                              "\"values\":{\"bufferView\":0}}}],\"meshes\":[{\"primitives\":[{\"attributes\":"
+                              "{\"POSITION\":0}}]}],\"nodes\":[{\"mesh\":0}]}";
+    expect_error(write_test_file("large.gltf", large), "too large to have no buffer", "large.gltf");
+}
+
 TEST(ReadMesh, AppliesNodeTransformsOfUnskinnedGltf) {
     const NamedMesh piece = tetrahedron();
     GltfMesh mesh{"piece", piece.position, PlanePositions::Constant(4, 2, 0.25), piece.triangle, {}};

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -50,6 +51,20 @@ TEST(SampleBytes, AreRefusedWhereTheyEndTooSoon) {
     const std::string bytes = sample_bytes(detailed_sample());
     for (size_t size = 0; size < bytes.size(); ++size)
         EXPECT_THROW(sample_from_bytes(std::string_view(bytes).substr(0, size)), Error) << size;
+    EXPECT_THROW(sample_from_bytes(bytes + '\0'), Error);
+}
+
+TEST(SampleBytes, AreRefusedWhereAListIsLongerThanTheyAre) {
+    const std::string bytes = sample_bytes(detailed_sample());
+    for (size_t at = 0; at + 8 <= bytes.size(); ++at) {
+        std::string damaged = bytes;
+        damaged.replace(at, 8, std::string("\0\0\0\0\0\1\0\0", 8));  // 2^40, where it falls on a length
+        try {
+            sample_from_bytes(damaged);
+        } catch (const Error& error) {
+            EXPECT_THAT(error.what(), testing::HasSubstr("cannot be read")) << at;
+        }
+    }
 }
 
 }  // namespace
