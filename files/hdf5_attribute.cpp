@@ -58,7 +58,9 @@ std::vector<std::string> Hdf5File::attributes(const std::string& name) const {
         static_cast<std::vector<std::string>*>(list)->emplace_back(text);
         return 0;
     };
-    H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &key);
+    // not in order, see `members`
+    if (H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, collect, &key) < 0)
+        impl_->fail("cannot list the attributes: " + library_message(), name);
     std::sort(key.begin(), key.end());
     return key;
 }

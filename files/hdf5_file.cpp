@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -67,6 +68,7 @@ Hdf5File Hdf5File::open(const std::string& path) {
     if (!is_trial && !has_checksums(path))
         try_reading(path, [&] {
             is_trial = true;
+            Session::start_in_child();
             return open(path);
         });
     auto impl = std::make_unique<Impl>();
@@ -149,8 +151,10 @@ std::vector<std::string> Hdf5File::members(const std::string& group) const {
         static_cast<std::vector<std::string>*>(list)->emplace_back(key);
         return 0;
     };
-    if (H5Literate(object, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &name) < 0)
+    // Not in order: for that HDF5 1.10 makes a table first, and over damage frees what it did not fill.
+    if (H5Literate(object, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, collect, &name) < 0)
         impl_->fail("cannot list the group: " + library_message(), group);
+    std::sort(name.begin(), name.end());
     return name;
 }
 

@@ -1,6 +1,7 @@
 #include "files/hdf5_handle.h"
 
 #include <algorithm>
+#include <new>
 
 #include "cloth/error.h"
 #include "files/hdf5_claim.h"
@@ -33,6 +34,10 @@ Session::Session() : lock_(library_mutex()) {
 
 Session::~Session() {
     H5Eset_auto2(H5E_DEFAULT, print_, print_data_);
+}
+
+void Session::start_in_child() {
+    new (&library_mutex()) std::recursive_mutex;
 }
 
 std::string library_message() {

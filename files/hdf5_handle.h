@@ -44,6 +44,9 @@ class Session {
     Session(const Session&) = delete;
     Session& operator=(const Session&) = delete;
 
+    /// In a child process that was forked within a session: its thread has another number than the lock's holder.
+    static void start_in_child();
+
   private:
     std::unique_lock<std::recursive_mutex> lock_;
     H5E_auto2_t print_ = nullptr;

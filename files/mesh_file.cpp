@@ -7,6 +7,7 @@
 #include "cloth/error.h"
 #include "files/mesh_scene.h"
 #include "files/obj_text.h"
+#include "files/ply_header.h"
 #include "files/rigged_file.h"
 
 namespace toile::files {
@@ -76,6 +77,7 @@ struct MeshGatherer {
 MeshData read_mesh(const std::string& path) {
     check_readable(path);
     if (has_extension(path, ".obj")) check_obj_text(path);
+    if (has_extension(path, ".ply")) check_ply_header(path);
     const RiggedFile file = read_scene(path);
     std::vector<Eigen::Affine3d> world;
     for (const RiggedNode& node : file.node) {

@@ -195,6 +195,9 @@ TEST(ReadMesh, RefusesFilesItCannotRead) {
         "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
     EXPECT_EQ(read_mesh(write_test_file("good.ply", ply + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")).triangle.rows(), 1);
     expect_error(write_test_file("cut.ply", ply + "0 0 0\n1 0 0\n"), "", "cut.ply");
+    expect_error(write_test_file("word.ply", "ply\nprpoperty float x\n" + ply.substr(4)), "none of the format's",
+                 "word.ply");
+    expect_error(write_test_file("header.ply", ply.substr(0, ply.size() - 11)), "has no end", "header.ply");
     expect_error(write_test_file("nan.ply", ply + "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n"), "not finite", "nan.ply");
     expect_error(write_test_file("index.ply", ply + "0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n"), "", "index.ply");
 }
