@@ -10,6 +10,7 @@
 #include "app/interrupt.h"
 #include "app/progress.h"
 #include "generate/dataset_card.h"
+#include "generate/export.h"
 #include "generate/merge.h"
 
 namespace toile::app {
@@ -51,7 +52,10 @@ int merge_shards(const std::string& folder, bool copy) {
     options.interrupted = watch_interrupt();
     const generate::MergeSummary summary = generate::merge(folder, options);
     display.finish();
-    if (!summary.dataset.empty()) generate::write_card(summary.dataset, {command_line(), {}});
+    if (!summary.dataset.empty()) {
+        generate::write_card(summary.dataset, {command_line(), {}});
+        generate::write_xdmf(summary.dataset);
+    }
     print_merge(summary, folder, copy);
     return summary.is_complete() ? all_done : some_samples_failed;
 }

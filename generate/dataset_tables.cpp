@@ -35,7 +35,8 @@ void bind_dataset(ConfigTable& root, SceneConfig& config) {
     if (config.body || root.has("output")) {
         ConfigTable table = root.section("output", "the files that are written");
         table.integer("compression", config.output.compression, {.lower = 0, .upper = 9, .doc = "gzip level"});
-        table.integer("part", config.output.part, {.lower = 1, .upper = 65536, .doc = "samples that a shard seals together"});
+        table.integer("part", config.output.part,
+                      {.lower = 1, .upper = 65536, .doc = "samples that a shard seals together"});
         table.integers("look", config.output.look, {.lower = 0, .doc = "pose numbers to write pictures of"});
     }
 }

@@ -9,6 +9,7 @@
 #include "files/file_lock.h"
 #include "files/new_file.h"
 #include "generate/dataset_card.h"
+#include "generate/export.h"
 #include "generate/merge.h"
 #include "generate/ordered_work.h"
 #include "generate/output_folder.h"
@@ -180,7 +181,9 @@ void make(Run& run, const std::vector<ShardNumber>& shards) {
     fill(run, plan, shards);
     if (!run.options.shard) join(run, shards);
     summarise(run, plan);
-    if (!run.options.shard) write_card(run.summary.dataset, {run.options.command, run.summary.remarks});
+    if (run.options.shard) return;
+    write_card(run.summary.dataset, {run.options.command, run.summary.remarks});
+    write_xdmf(run.summary.dataset);
 }
 
 }  // namespace

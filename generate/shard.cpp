@@ -229,11 +229,26 @@ void Shard::recover_journal(int part) {
 void Shard::add(int slot, std::string_view bytes) {
     const int part = part_of(slot);
     OpenPart& opened = open_part(part);
+    const bool fresh = opened.record.empty();
     opened.journal.append(bytes);
     opened.record[slot] = opened.journal.count() - 1;
     there_[slot - slots_.first] = 1;
-    tally_.add(files::sample_from_bytes(bytes), corpus_folder_);
+    files::SampleRecord sample = files::sample_from_bytes(bytes);
+    tally_.add(sample, corpus_folder_);
+    if (fresh) opened.writer = part_writer(part);
+    if (opened.writer) write_along(opened, part, slot, std::move(sample));
     if (static_cast<int>(opened.record.size()) == part_slots(part).size()) seal(part);
+}
+
+/// The writer keeps samples that came early in memory: as long as they are few.
+void Shard::write_along(OpenPart& opened, int part, int slot, files::SampleRecord sample) {
+    constexpr int most_early = 16;
+    const int first = part_slots(part).first;
+    while (opened.record.count(first + opened.in_order)) ++opened.in_order;
+    if (static_cast<int>(opened.record.size()) - opened.in_order > most_early)
+        opened.writer.reset();
+    else
+        opened.writer->write(slot - first, std::move(sample));
 }
 
 void Shard::adopt(const std::string& dataset) {
@@ -262,18 +277,24 @@ void Shard::check_owner(const files::DatasetReader& reader) const {
                     "choose another --out, or remove the file");
 }
 
-void Shard::seal(int part) {
-    const OpenPart& opened = open_.at(part);
+std::unique_ptr<files::DatasetWriter> Shard::part_writer(int part) const {
     const SlotRange range = part_slots(part);
     files::CorpusPart place;
     place.shard = number_.index;
     place.shards = number_.count;
     place.first_slot = range.first;
     place.corpus_samples = plan_.sample_count();
-    files::DatasetWriter writer(part_path(part), plan_.header, range.size(), options_.deflate, place);
-    for (const auto& [slot, record] : opened.record)
-        writer.write(slot - range.first, files::sample_from_bytes(opened.journal.read(record)));
-    writer.finish();
+    return std::make_unique<files::DatasetWriter>(part_path(part), plan_.header, range.size(), options_.deflate, place);
+}
+
+void Shard::seal(int part) {
+    OpenPart& opened = open_.at(part);
+    if (!opened.writer) {
+        opened.writer = part_writer(part);
+        for (const auto& [slot, record] : opened.record)
+            opened.writer->write(slot - part_slots(part).first, files::sample_from_bytes(opened.journal.read(record)));
+    }
+    opened.writer->finish();
     open_.erase(part);
     fs::remove(journal_path(part));
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -69,6 +70,10 @@ class Shard {
     struct OpenPart {
         files::Journal journal;
         std::map<int, int> record;  ///< slot -> record of the journal
+        /// The part as far as it has come, so that sealing is no long halt; null where samples are too far out of order
+        /// or came from an earlier process: then it is written from the journal in one go.
+        std::unique_ptr<files::DatasetWriter> writer = nullptr;
+        int in_order = 0;  ///< samples from the part's first on without a gap
     };
 
     int part_of(int slot) const { return (slot - slots_.first) / options_.part_samples; }
@@ -84,6 +89,8 @@ class Shard {
     void unseal(int part, const files::DatasetReader& reader, const std::vector<int>& sound);
     void recover_journal(int part);
     void note_damage(const std::string& what) { remarks_.push_back(what); }
+    std::unique_ptr<files::DatasetWriter> part_writer(int part) const;
+    void write_along(OpenPart& opened, int part, int slot, files::SampleRecord sample);
     void seal(int part);
 
     const ShardNumber number_;

@@ -48,8 +48,9 @@ TEST_F(CliDataset, RunWritesADatasetThatValidatesAndPictures) {
     const Outcome outcome = run("run scene.toml --out d --set output.look=[1]");
     ASSERT_EQ(outcome.status, 0) << outcome.err << outcome.out;
     EXPECT_THAT(outcome.out, HasSubstr("2 of 2 accepted"));
-    EXPECT_THAT(files(), ElementsAre("d", "d/CARD.md", "d/config.toml", "d/dataset.h5", "d/dataset.timing.h5",
-                                     "d/displacements.png", "d/pose_0001.glb", "d/samples.png", "scene.toml"));
+    EXPECT_THAT(files(), ElementsAre("d", "d/CARD.md", "d/config.toml", "d/dataset.body.h5", "d/dataset.h5",
+                                     "d/dataset.timing.h5", "d/dataset.xdmf", "d/displacements.png", "d/pose_0001.glb",
+                                     "d/samples.png", "scene.toml"));
     EXPECT_THAT(bytes("d/CARD.md"), HasSubstr("| command | `toile run scene.toml --out d --set 'output.look=[1]'` |"));
     EXPECT_THAT(bytes("d/CARD.md"), HasSubstr("| body | MIT, made by toile's code |"));
     const files::DatasetReader dataset(path("d/dataset.h5"));

@@ -146,7 +146,9 @@ TEST_F(CliFaults, TooLittleMemoryFailsSamplesOrTheRunButNeverHangs) {
         const Outcome outcome =
             run("generate scene.toml --out d --jobs 2 --memory-limit " + std::to_string(megabytes) + "MB");
         EXPECT_THAT(outcome.status, AnyOf(0, 1, 2, 3)) << outcome.err;
-        if (outcome.status == 1 || outcome.status == 2) EXPECT_THAT(outcome.err, HasSubstr("memory"));
+        if (outcome.status == 1 || outcome.status == 2) {
+            EXPECT_THAT(outcome.err, HasSubstr("memory"));
+        }
         status.insert(outcome.status);
         expect_resumes("d");
     }

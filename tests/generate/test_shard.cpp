@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <numeric>
 
 #include "cloth/error.h"
 #include "files/sample_bytes.h"
@@ -34,6 +35,14 @@ class ShardTest : public ::testing::Test {
         }
     }
     ~ShardTest() override { fs::remove_all(folder_); }
+
+    const files::CorpusPlan& long_plan() {
+        for (int slot = plan_.sample_count(); slot < 40; ++slot) {
+            plan_.pose_number.push_back(100 + slot);
+            plan_.split.push_back(slot % 3);
+        }
+        return plan_;
+    }
 
     Shard open(int index = 1) const { return Shard(folder_.string(), {index, 2}, plan_, {2, 4}); }
 
@@ -100,9 +109,10 @@ TEST_F(ShardTest, SealsPartsWhoseSamplesAreThereInAnyOrder) {
         EXPECT_THAT(shard.missing(), ElementsAre(5, 6, 7, 8, 9));
         shard.add(7, sample(7));
         shard.add(6, sample(6));
-        EXPECT_THAT(names(), ElementsAre("journal_00000", "journal_00001"));
+        EXPECT_THAT(names(),
+                    ElementsAre("journal_00000", "journal_00001", "part_00000.h5.partial", "part_00001.h5.partial"));
         shard.add(8, sample(8));
-        EXPECT_THAT(names(), ElementsAre("journal_00000", "part_00001.h5"));
+        EXPECT_THAT(names(), ElementsAre("journal_00000", "part_00000.h5.partial", "part_00001.h5"));
         shard.add(9, sample(9));
         shard.add(5, sample(5));
         EXPECT_TRUE(shard.is_complete());
@@ -112,6 +122,28 @@ TEST_F(ShardTest, SealsPartsWhoseSamplesAreThereInAnyOrder) {
     expect_sealed("part_00000.h5", {5, 6});
     expect_sealed("part_00001.h5", {7, 8});
     expect_sealed("part_00002.h5", {9});
+}
+
+TEST_F(ShardTest, SealsTheSameFileWhateverTheOrder) {
+    const auto sealed = [&](const std::vector<int>& order) {
+        const std::string folder = (folder_ / "order").string();
+        fs::create_directory(folder);
+        Shard shard(folder, {0, 1}, long_plan(), {40, 4});
+        for (const int slot : order) shard.add(slot, sample(slot));
+        EXPECT_TRUE(shard.is_complete());
+        std::ifstream file(fs::path(shard.folder()) / "part_00000.h5", std::ios::binary);
+        const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+        fs::remove_all(folder);
+        return bytes;
+    };
+    std::vector<int> order(40);
+    std::iota(order.begin(), order.end(), 0);
+    const std::string in_order = sealed(order);
+    EXPECT_GT(in_order.size(), 1000u);
+    std::swap(order[3], order[7]);
+    EXPECT_TRUE(sealed(order) == in_order);
+    std::reverse(order.begin(), order.end());  // too far out of order to be written along
+    EXPECT_TRUE(sealed(order) == in_order);
 }
 
 TEST_F(ShardTest, FindsWhatIsThereWhenItIsOpenedAgain) {
