@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <numeric>
+#include <set>
 
 #include "cloth/error.h"
 #include "files/config_file.h"
@@ -176,27 +177,23 @@ void say_certificate(Card& card) {
     card.say("");
 }
 
-/// The data set's file, the one with its times, and the parts a joined one shows.
-std::uintmax_t bytes_on_disk(const std::string& dataset) {
+/// The data set's file, the one with its times, and the parts that a joined one refers to.
+std::uintmax_t bytes_on_disk(const std::string& dataset, const files::Hdf5File& file) {
+    std::set<fs::path> path = {dataset, files::timing_path(dataset)};
+    for (const files::VirtualRows& rows : file.virtual_rows("/samples/cloth"))
+        path.insert(fs::path(dataset).parent_path() / rows.file);
     std::uintmax_t bytes = 0;
-    const fs::path folder = fs::path(dataset).parent_path();
-    const auto add = [&](const fs::path& path) {
+    for (const fs::path& one : path) {
         std::error_code none;
-        const std::uintmax_t size = fs::file_size(path, none);
+        const std::uintmax_t size = fs::file_size(one, none);
         if (!none) bytes += size;
-    };
-    add(dataset);
-    add(files::timing_path(dataset));
-    for (const fs::directory_entry& shard : fs::directory_iterator(folder.empty() ? "." : folder))
-        if (shard.is_directory() && shard.path().filename().string().starts_with("shard_"))
-            for (const fs::directory_entry& part : fs::directory_iterator(shard))
-                if (part.path().extension() == ".h5") add(part.path());
+    }
     return bytes;
 }
 
 void say_sizes(Card& card) {
     const int samples = card.reader.sample_count();
-    const double bytes = static_cast<double>(bytes_on_disk(card.dataset));
+    const double bytes = static_cast<double>(bytes_on_disk(card.dataset, card.reader.file()));
     card.say("## Sizes\n\n| | |\n|---|---|");
     card.say("| cloth | {} vertices, {} triangles |", card.header.mesh.vertex_count(),
              card.header.mesh.triangle_count());
