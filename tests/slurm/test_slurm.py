@@ -73,7 +73,7 @@ class CorpusUnderSlurm(unittest.TestCase):
             if not process or not any(size_of(journal) > 4096 for journal in glob.glob(f"{part}/journal_*")):
                 return 0
             kill(process, signal.SIGSTOP)
-            self.assertFalse(glob.glob(f"{part}/part_*"), f"shard {shard} is finished: it is too quick for this test")
+            self.assertFalse(glob.glob(f"{part}/part_*.h5"), f"shard {shard} is finished: it is too quick for this test")
             return process
 
         return wait_until(f"shard {shard} at work, its log:\n{self.shard_log(shard)}", in_the_middle)
