@@ -131,6 +131,7 @@ class CorpusUnderSlurm(unittest.TestCase):
         self.slurm.kill_node_daemon()
         self.slurm.start_node()
         kill(process, signal.SIGCONT)
+        self.wait_for_end([f"{array}_3"])  # before the node's power goes, which it would not outlive
         process = self.start_and_halt(array, 4)  # what Slurm does when the time limit is near
         self.slurm.run("scancel", "--batch", "--signal=USR1", f"{array}_4")
         wait_until("the script's signal", lambda: pending(process, signal.SIGTERM))
