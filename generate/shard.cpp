@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <set>
 
 #include "cloth/error.h"
-#include "files/new_file.h"
 #include "files/sample_bytes.h"
 #include "simulate/certificate.h"
 
@@ -18,8 +16,7 @@ namespace {
 
 /// Failures that come from the machine rather than from the pose.
 bool failed_by_machine(const files::SampleRecord& sample) {
-    const auto status = static_cast<simulate::DrapeStatus>(sample.status);
-    return status == simulate::DrapeStatus::crashed || status == simulate::DrapeStatus::out_of_memory;
+    return simulate::process_failed(static_cast<simulate::DrapeStatus>(sample.status));
 }
 
 std::string prepared_folder(const std::string& corpus_folder, ShardNumber number) {
