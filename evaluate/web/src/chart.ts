@@ -5,7 +5,7 @@ import { SVGRenderer } from "echarts/renderers";
 import type { Axis } from "./document";
 import { element } from "./dom";
 import { logRange } from "./log_axis";
-import { formatSignificant, formatTick } from "./number_format";
+import { formatShort, formatTick } from "./number_format";
 
 use([LineChart, CustomChart, GridComponent, TooltipComponent, LegendComponent, AriaComponent, SVGRenderer]);
 
@@ -54,7 +54,7 @@ export function axisOption(axis: Axis, values: number[], nameGap: number): objec
     axisLabel: {
       color: "var(--muted)",
       hideOverlap: true,
-      formatter: (value: number) => (axis.log ? formatTick(value) : formatSignificant(value, 6)),
+      formatter: (value: number) => (axis.log ? formatTick(value) : formatShort(value, 6)),
       ...(range && { customValues: range.ticks }),
     },
     splitLine: { show: true, lineStyle: { color: "var(--line)" } },

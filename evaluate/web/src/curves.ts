@@ -3,7 +3,7 @@ import { axisOption, baseOption, Chart, seriesColour, symbols } from "./chart";
 import { makeChartFigure } from "./chart_figure";
 import type { Axis, Cell, CurvePoint, CurvesBlock, TableBlock } from "./document";
 import { element } from "./dom";
-import { formatSignificant, withUnit } from "./number_format";
+import { formatShort, withUnit } from "./number_format";
 
 /** Curves with error bars in both directions; a point names itself when the mouse is over it. */
 export function makeCurves(block: CurvesBlock): HTMLElement {
@@ -72,8 +72,8 @@ function line(block: CurvesBlock, one: { name: string; points: CurvePoint[] }, i
 function tooltip(block: CurvesBlock, name: string, point: CurvePoint): HTMLElement[] {
   const value = (axis: Axis, at: number | null, low?: number | null, high?: number | null) => {
     const interval = typeof low === "number" && typeof high === "number" && low !== high;
-    const text = withUnit(formatSignificant(at!), axis.unit);
-    return `${axis.label}: ${text}${interval ? ` [${formatSignificant(low)}, ${formatSignificant(high)}]` : ""}`;
+    const text = withUnit(formatShort(at!), axis.unit);
+    return `${axis.label}: ${text}${interval ? ` [${formatShort(low)}, ${formatShort(high)}]` : ""}`;
   };
   return [
     element("strong", {}, point.label ? `${name}, ${point.label}` : name),

@@ -3,7 +3,7 @@ import { axisOption, baseOption, Chart, seriesColour } from "./chart";
 import { makeChartFigure } from "./chart_figure";
 import type { HistogramBlock, TableBlock } from "./document";
 import { element } from "./dom";
-import { formatSignificant, withUnit } from "./number_format";
+import { formatShort, withUnit } from "./number_format";
 
 interface Bin {
   low: number;
@@ -65,8 +65,8 @@ function bars(block: HistogramBlock, one: { name: string; bins: Bin[] }, index: 
     tooltip: {
       formatter: ({ dataIndex }: { dataIndex: number }) => {
         const bin = one.bins[dataIndex]!;
-        const range = `${formatSignificant(bin.low)} to ${withUnit(formatSignificant(bin.high), block.x.unit)}`;
-        const share = formatSignificant((100 * bin.count) / Math.max(total, 1), 3);
+        const range = `${formatShort(bin.low)} to ${withUnit(formatShort(bin.high), block.x.unit)}`;
+        const share = formatShort((100 * bin.count) / Math.max(total, 1), 3);
         return [
           element("strong", {}, one.name),
           element("div", {}, range),

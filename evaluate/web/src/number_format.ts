@@ -1,20 +1,32 @@
 const missing = "–";
 
-/** `digits` decimals; a number that those would show as zero, or that is very large, is written with an exponent. */
-export function formatNumber(value: number | null | undefined, digits?: number): string {
+/** A number with `significant` digits, with an exponent where it is far from 1; whole numbers are written in full. */
+export function formatNumber(value: number | null | undefined, significant = 4): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return missing;
-  if (digits === undefined) return formatSignificant(value);
-  const magnitude = Math.abs(value);
-  if (magnitude !== 0 && (magnitude < 0.5 * 10 ** -digits || magnitude >= 1e9)) return formatSignificant(value, 2);
-  return withMinusSign(value.toFixed(digits));
+  return formatAlike(value, value, significant);
 }
 
-/** A few significant digits, with an exponent where the number is far from 1. */
-export function formatSignificant(value: number, significant = 4): string {
+/** A number with the decimals that `model` gets for its significant digits: for the ends of its interval. */
+export function formatAlike(value: number, model: number, significant: number): string {
+  const magnitude = Math.abs(model);
+  if (value === 0 || (Number.isInteger(value) && Number.isInteger(model) && Math.abs(value) < 1e7)) return sign(value);
+  if (magnitude !== 0 && (magnitude < 1e-3 || magnitude >= 1e7)) return exponential(value, significant);
+  const whole = magnitude === 0 ? 1 : Math.floor(Math.log10(magnitude)) + 1;
+  return withMinusSign(value.toFixed(Math.min(Math.max(significant - whole, 0), 20)));
+}
+
+function sign(value: number): string {
+  return withMinusSign(String(value));
+}
+
+function exponential(value: number, significant: number): string {
+  return withMinusSign(value.toExponential(Math.max(significant - 1, 0)).replace("e+", "e"));
+}
+
+/** A few significant digits without trailing zeros. */
+export function formatShort(value: number, significant = 4): string {
   const magnitude = Math.abs(value);
-  if (magnitude === 0) return "0";
-  if (Number.isInteger(value) && magnitude < 1e7) return withMinusSign(String(value));
-  if (magnitude < 1e-3 || magnitude >= 1e6) {
+  if (magnitude !== 0 && (magnitude < 1e-3 || magnitude >= 1e6)) {
     const [mantissa, exponent] = value.toExponential(significant - 1).split("e");
     return withMinusSign(`${Number(mantissa)}e${Number(exponent)}`);
   }
@@ -26,7 +38,7 @@ export function formatTick(value: number): string {
   const exponent = Math.round(Math.log10(Math.abs(value)));
   const isPowerOfTen = Math.abs(value / 10 ** exponent - 1) < 1e-9;
   if (isPowerOfTen && (exponent < -3 || exponent > 4)) return `10${superscript(exponent)}`;
-  return formatSignificant(value, 3);
+  return formatShort(value, 3);
 }
 
 export function withUnit(text: string, unit?: string): string {

@@ -1,7 +1,8 @@
 import type { Cell, Column, MeasuredCell, TableBlock } from "./document";
 import { element, hiddenText } from "./dom";
-import { formatNumber } from "./number_format";
+import { formatAlike, formatNumber } from "./number_format";
 
+const defaultDigits = 3;
 /** Tables longer than this get a field that filters their rows. */
 const filterFrom = 25;
 
@@ -69,7 +70,9 @@ function cellContent(cell: Cell, column: Column, notes: Notes): (Node | string)[
   if (!isMeasured(cell)) return [plainContent(cell, column)];
   const content: (Node | string)[] = [plainContent(cell.value, column)];
   if (typeof cell.low === "number" && typeof cell.high === "number") {
-    const interval = `[${formatNumber(cell.low, column.digits)}, ${formatNumber(cell.high, column.digits)}]`;
+    const model = typeof cell.value === "number" ? cell.value : cell.low;
+    const ends = [cell.low, cell.high].map((end) => formatAlike(end, model, column.digits ?? defaultDigits));
+    const interval = `[${ends.join(", ")}]`;
     content.push(" ", element("small", { class: "interval", title: "95 % interval" }, interval));
   }
   if (cell.note) content.push(notes.mark(cell.note));
@@ -77,7 +80,7 @@ function cellContent(cell: Cell, column: Column, notes: Notes): (Node | string)[
 }
 
 function plainContent(value: string | number | null, column: Column): string {
-  return typeof value === "string" ? value : formatNumber(value, column.digits);
+  return typeof value === "string" ? value : formatNumber(value, column.digits ?? defaultDigits);
 }
 
 function isMeasured(cell: Cell): cell is MeasuredCell {

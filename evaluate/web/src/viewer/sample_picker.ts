@@ -64,7 +64,7 @@ export class SamplePicker {
   private fill(): void {
     const options = this.offered().map((sample) => {
       const error = this.errorOf(sample);
-      const suffix = error === null ? "" : `, ${formatNumber(error, 1)} mm`;
+      const suffix = error === null ? "" : `, ${formatNumber(error, 3)} mm`;
       return element("option", {}, `${sample.id} (${sample.split})${suffix}`);
     });
     this.list.replaceChildren(...options);

@@ -1,6 +1,6 @@
 import type { Field, SceneData, View } from "../document";
 import { element } from "../dom";
-import { formatSignificant, withUnit } from "../number_format";
+import { formatShort, withUnit } from "../number_format";
 import { gradientOf } from "./colour_map";
 
 /** What the viewer shows of a sample. */
@@ -100,9 +100,8 @@ function legendOf(field: Field | undefined): Node[] {
   if (!field) return [];
   const bar = element("span", { class: "bar", "aria-hidden": "true" });
   bar.style.background = gradientOf(field.map);
-  const middle =
-    field.map === "sequential" ? null : element("span", {}, formatSignificant((field.low + field.high) / 2));
-  const ends = [field.low, field.high].map((end) => element("span", {}, withUnit(formatSignificant(end), field.unit)));
+  const middle = field.map === "sequential" ? null : element("span", {}, formatShort((field.low + field.high) / 2));
+  const ends = [field.low, field.high].map((end) => element("span", {}, withUnit(formatShort(end), field.unit)));
   return [
     element("span", { class: "name" }, field.name),
     element("span", { class: "scale" }, bar, element("span", { class: "ticks" }, ends[0], middle, ends[1])),

@@ -159,7 +159,7 @@ class Viewer {
   private caption(group: View[], sample: Sample): HTMLElement {
     const lines = group.map((view) => {
       const error = sample.error_mm?.[view.key];
-      const suffix = typeof error === "number" && error > 0 ? `${formatNumber(error, 1)} mm` : null;
+      const suffix = typeof error === "number" && error > 0 ? `${formatNumber(error, 3)} mm` : null;
       return element("div", {}, view.name, suffix && element("span", { class: "error" }, suffix));
     });
     return element("div", { class: "caption" }, ...lines);
