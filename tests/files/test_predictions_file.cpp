@@ -125,9 +125,8 @@ TEST_F(PredictionsFile, AppearsWholeOrNotAtAll) {
 
 TEST_F(PredictionsFile, TakesWhatAnyNetworkMayWrite) {
     write_foreign(std::vector<int32_t>{103, 100}, std::vector<double>(18, 0.125), {2, 3, 3});
-    const PredictionsReader reader(path);
-    EXPECT_EQ(reader.predictor(), "mine");
-    EXPECT_EQ(reader.read(103), Positions::Constant(3, 3, 0.125));
+    EXPECT_EQ(PredictionsReader(path).predictor(), "mine");
+    EXPECT_EQ(PredictionsReader(path).read(103), Positions::Constant(3, 3, 0.125));
     EXPECT_EQ(complaint({0}), "");
     Hdf5File file = Hdf5File::edit(path);
     file.set_attribute("/", "predictor", "my network");
