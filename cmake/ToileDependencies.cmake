@@ -101,6 +101,13 @@ if(TOILE_APP OR TOILE_EVALUATE)
   toile_require(spdlog_FOUND spdlog libspdlog-dev)
 endif()
 
+if(TOILE_EVALUATE)
+  find_path(LBFGSPP_INCLUDE_DIR LBFGS.h)
+  toile_require(LBFGSPP_INCLUDE_DIR LBFGS++ liblbfgspp-dev)
+  find_path(BOOST_MATH_INCLUDE_DIR boost/math/tools/toms748_solve.hpp)
+  toile_require(BOOST_MATH_INCLUDE_DIR Boost.Math libboost-dev)
+endif()
+
 if(TOILE_BENCH)
   find_package(benchmark QUIET)
   toile_require(benchmark_FOUND "Google Benchmark" libbenchmark-dev)
