@@ -64,7 +64,7 @@ struct StabilityOutcome {
 /// the first 40, as far as they have no more than 300 vertices. The paper's routes are spared those of more than 2,000.
 struct PriorSuite {
     StressDraw draw;
-    int problems = 100;
+    int problems = 400;
 };
 
 /// What a case may take; what is absent is the scene's own.
