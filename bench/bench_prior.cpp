@@ -16,7 +16,7 @@ using namespace toile::bench;
 struct Flags {
     bool table = false;
     std::string filter = "all";
-    BaselineFiles baseline;
+    BaselineFiles baseline{{}, {}, "bench_prior"};
     int repetitions = 5;
 
     bool speed() const { return table || !baseline.gate.empty() || !baseline.written.empty(); }
