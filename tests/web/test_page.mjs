@@ -22,7 +22,10 @@ function writeReport(name, report) {
   return file;
 }
 
-const screenshot = (page, name) => page.screenshot({ path: path.join(out, name), fullPage: true });
+async function screenshot(page, name) {
+  await page.evaluate(() => window.scrollTo(0, 0));
+  await page.screenshot({ path: path.join(out, name), fullPage: true });
+}
 
 /** The texts of a column of the first table, from the top. */
 const columnTexts = (page, column) =>
@@ -172,6 +175,7 @@ describe("report page", () => {
     await page.getByRole("tab", { name: "Run time" }).click();
     const chart = page.locator("#runtime-curves .chart");
     await chart.locator("svg").waitFor();
+    await chart.evaluate((node) => node.scrollIntoView({ block: "center" }));
     const paths = () => chart.locator("svg path").count();
     const before = await paths();
     const lowest = await chart.locator("svg").evaluate((svg) => {

@@ -1,5 +1,5 @@
 // What the C++ program writes, in a browser: node test_report.mjs, with the environment of test_page.mjs and
-// real_report.html (of report_for_browser) in TOILE_WEB_OUT.
+// real_report.html (of test_report_for_browser) in TOILE_WEB_OUT.
 import assert from "node:assert/strict";
 import path from "node:path";
 import { after, before, describe, it } from "node:test";
