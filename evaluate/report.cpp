@@ -102,7 +102,7 @@ ReportSummary write_report(const ReportOptions& options) {
     ReportDocument document{title(evaluations, options.folder), summary.verdict, report_facts(evaluations, story),
                             report_sections(options.folder)};
     if (summary.baseline) document.sections.insert(document.sections.begin(), baseline_section(*summary.baseline));
-    const std::optional<SceneData> scene = accuracy_scene(options.folder);
+    const std::optional<SceneData> scene = story ? accuracy_scene(options.folder) : std::nullopt;
     if (scene) {
         place_viewer(document.sections, *scene);
         summary.shown = scene->scene.samples.size();
