@@ -1,0 +1,151 @@
+#include "evaluate/accuracy_results.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <tuple>
+
+#include "evaluate/accuracy_file.h"
+#include "files/metric_file.h"
+#include "files/new_file.h"
+
+namespace toile::evaluate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) {
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json as_json(const Comparison& one) {
+    return {{"predictor", one.predictor},
+            {"split", one.split},
+            {"method", one.method},
+            {"quantity", quantity_kind(one.quantity).name},
+            {"difference", number(one.difference)},
+            {"interval", {number(one.interval.low), number(one.interval.high)}},
+            {"judgement", judgement_text(one.judgement)}};
+}
+
+Json predictors_json(const AccuracyFigures& figures) {
+    Json predictors = Json::array();
+    for (const PredictorFigures& predictor : figures.predictor) {
+        Json methods = Json::array();
+        for (const MethodFigures& one : predictor.method)
+            methods.push_back({{"method", one.method}, {"title", one.title}, {"setting", number(one.setting)}});
+        predictors.push_back({{"name", predictor.predictor}, {"methods", std::move(methods)}});
+    }
+    return predictors;
+}
+
+Json own_members(const AccuracyOptions& options, const AccuracySummary& summary) {
+    Json splits = Json::array(), failures = Json::array(), comparisons = Json::array();
+    for (const JudgedSplit& one : summary.split)
+        splits.push_back({{"name", split_name(one.split)},
+                          {"samples", one.there},
+                          {"accepted", one.accepted},
+                          {"judged", one.slot.size()}});
+    for (const AccuracyFailure& one : summary.failure)
+        failures.push_back(
+            {{"predictor", one.predictor}, {"method", one.method}, {"id", one.id}, {"what", one.what}});
+    for (const Comparison& one : summary.verdicts.comparison) comparisons.push_back(as_json(one));
+    Json floor = nullptr;
+    if (summary.floor) {
+        floor = {{"source", summary.floor->source}, {"pairs", summary.floor->samples}};
+        for (int q = 0; q < quantity_count; ++q)
+            floor[quantity_kind(q).name] = number(summary.floor->value[static_cast<size_t>(q)]);
+    }
+    return {{"accuracy",
+             {{"vertices", summary.vertices},
+              {"overstretched_limit", options.overstretched_limit},
+              {"bootstrap_draws", Bootstrap::draws},
+              {"splits", std::move(splits)},
+              {"predictors", predictors_json(summary.figures)},
+              {"noise_floor", std::move(floor)},
+              {"remarks", summary.remark},
+              {"failures", std::move(failures)},
+              {"comparisons", std::move(comparisons)}}}};
+}
+
+files::MetricFile metric_file(const AccuracyOptions& options, const AccuracySummary& summary) {
+    files::MetricFile file;
+    file.kind = "accuracy";
+    file.about = {{"dataset", options.dataset}, {"command", options.command}};
+    std::string names;
+    for (const PredictorFigures& one : summary.figures.predictor) names += (names.empty() ? "" : ", ") + one.predictor;
+    file.about.push_back({"predictors", names});
+    if (summary.floor) file.about.push_back({"noise", summary.floor->source});
+    file.metric = summary.verdicts.metric;
+    return file;
+}
+
+/// Rows of one split's table.
+class SplitTable {
+  public:
+    SplitTable(const AccuracySummary& summary, const JudgedSplit& split) : split_(split_name(split.split)) {
+        for (const files::Metric& one : summary.verdicts.metric) metric_[one.name] = &one;
+        for (const Comparison& one : summary.verdicts.comparison)
+            if (one.split == split_ && one.quantity == Quantity::sqrt_mse)
+                verdict_[{one.predictor, one.method}] = judgement_text(one.judgement);
+        text_ = fmt::format("{}: {} samples\n{:<12} {:<28}{:>9}{:>9}{:>10}{:>10}{:>9}{:>8}{:>9}{:>8}  {}\n", split_,
+                            split.slot.size(), "", "", "SqrtMSE", "MaxDist", "stretch", "compress", "normals", "over",
+                            "largest", "inside", "SqrtMSE against");
+        text_ += fmt::format("{:<12} {:<28}{:>9}{:>9}{:>10}{:>10}{:>9}{:>8}{:>9}{:>8}  {}\n", "predictor", "method",
+                             "mm", "mm", "error, J", "error, J", "deg", "%", "ratio", "mm", "the prediction");
+    }
+
+    void add(const PredictorFigures& predictor) {
+        for (const MethodFigures& method : predictor.method) {
+            const auto cell = [&](Quantity quantity, int width, int digits) {
+                const auto found = metric_.find("accuracy/" + predictor.predictor + "/" + split_ + "/" +
+                                                method.method + "/" + quantity_kind(quantity).name);
+                const bool known = found != metric_.end() && std::isfinite(found->second->value);
+                return known ? fmt::format("{:>{}.{}f}", found->second->value, width, digits)
+                             : fmt::format("{:>{}}", "-", width);
+            };
+            const auto verdict = verdict_.find({predictor.predictor, method.method});
+            text_ += fmt::format("{:<12} {:<28}", predictor.predictor, method.method) +
+                     cell(Quantity::sqrt_mse, 9, 3) + cell(Quantity::max_dist, 9, 2) +
+                     cell(Quantity::stretching_energy_error, 10, 4) + cell(Quantity::compression_energy_error, 10, 4) +
+                     cell(Quantity::normal_error, 9, 2) + cell(Quantity::overstretched_share, 8, 2) +
+                     cell(Quantity::largest_stretch, 9, 3) + cell(Quantity::penetration, 8, 2) +
+                     (verdict == verdict_.end() ? "" : "  " + verdict->second) + "\n";
+        }
+    }
+    const std::string& text() const { return text_; }
+
+  private:
+    std::string split_, text_;
+    std::map<std::string, const files::Metric*> metric_;
+    std::map<std::pair<std::string, std::string>, std::string> verdict_;
+};
+
+}  // namespace
+
+void write_accuracy(const AccuracyOptions& options, const files::DatasetHeader& header, const Shown& shown,
+                    const AccuracySummary& summary) {
+    files::NewFile arrays(summary.figures_file);
+    write_accuracy_file(arrays.partial(), header, shown, summary);
+    files::write_metric_file(summary.results, metric_file(options, summary), own_members(options, summary));
+    arrays.commit();
+}
+
+std::string accuracy_table(const AccuracySummary& summary) {
+    std::string text;
+    for (const JudgedSplit& split : summary.split) {
+        SplitTable table(summary, split);
+        table.add(summary.figures.truth);
+        for (const PredictorFigures& predictor : summary.figures.predictor) table.add(predictor);
+        text += table.text() + "\n";
+    }
+    if (summary.floor)
+        text += fmt::format("the simulator's noise: SqrtMSE {:.3f} mm, MaxDist {:.2f} mm\n",
+                            at(summary.floor->value, Quantity::sqrt_mse), at(summary.floor->value, Quantity::max_dist));
+    for (const std::string& one : summary.remark) text += one + "\n";
+    return text;
+}
+
+}  // namespace toile::evaluate

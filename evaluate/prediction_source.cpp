@@ -1,0 +1,34 @@
+#include "evaluate/prediction_source.h"
+
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "cloth/error.h"
+
+namespace toile::evaluate {
+namespace {
+
+PredictionSource from_file(const std::string& path, const files::DatasetReader& dataset,
+                           const std::vector<int>& splits) {
+    const auto reader = std::make_shared<const files::PredictionsReader>(path);
+    files::check_predictions(*reader, dataset, splits);
+    return {reader->predictor(), path, [reader](const files::SampleRecord& sample) { return reader->read(sample.id); }};
+}
+
+}  // namespace
+
+std::vector<PredictionSource> prediction_sources(const std::vector<std::string>& paths,
+                                                 const files::DatasetReader& dataset, const std::vector<int>& splits) {
+    std::vector<PredictionSource> sources;
+    std::set<std::string> names{"target"};  // the truth's own row
+    for (const std::string& path : paths) {
+        sources.push_back(from_file(path, dataset, splits));
+        if (!names.insert(sources.back().name).second)
+            throw Error("\"" + sources.back().name + "\" names another predictor already", path,
+                        "give the file another attribute predictor, or another name");
+    }
+    return sources;
+}
+
+}  // namespace toile::evaluate
