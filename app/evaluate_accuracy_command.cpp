@@ -35,8 +35,9 @@ int accuracy(evaluate::AccuracyOptions options) {
 }  // namespace
 
 void add_evaluate_accuracy(CLI::App& parent, Work& chosen) {
-    CLI::App* command = parent.add_subcommand("accuracy", "how far predicted cloth is from the truth, before and "
-                                                          "after each prior");
+    CLI::App* command = parent.add_subcommand("accuracy",
+                                              "how far predicted cloth is from the truth, before and "
+                                              "after each prior");
     const auto flags = std::make_shared<Flags>();
     const auto options = std::make_shared<evaluate::AccuracyOptions>();
     command->add_option("--dataset", options->dataset, "the truth: a data set")->type_name("FILE")->required();
@@ -75,12 +76,14 @@ void add_evaluate_accuracy(CLI::App& parent, Work& chosen) {
         ->required();
     add_jobs_flag(*command, *flags);
     command->footer(
-        "Judges every accepted sample: the prediction, and what each prior makes of it. One table for each split; with\n"
+        "Judges every accepted sample: the prediction, and what each prior makes of it. One table for each split; "
+        "with\n"
         "95 % intervals, distributions and verdicts in DIR/accuracy.json, and every sample's values in\n"
         "DIR/accuracy.h5. Exit status 3 where a prior did not reach its accuracy on a sample; such samples are listed\n"
         "and count all the same.\n\n"
         "  toile evaluate accuracy --dataset out/quick/dataset.h5 --predictions predictions.h5 --out out/evaluation\n"
-        "  toile evaluate accuracy --dataset out/quick/dataset.h5 --split test --mu 0.1 --limit 0 --out out/evaluation");
+        "  toile evaluate accuracy --dataset out/quick/dataset.h5 --split test --mu 0.1 --limit 0 --out "
+        "out/evaluation");
     command->callback([flags, options, splits, &chosen] {
         options->jobs = flags->jobs;
         for (const std::string& one : *splits)

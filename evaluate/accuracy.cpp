@@ -83,8 +83,8 @@ Positions cloth_of(const std::vector<double>& position, size_t k, Eigen::Index v
 }
 
 /// Notes what a prior did not solve, and what came out without a value.
-void note_failures(const Run& run, const PredictorFigures& predictor, MethodFigures& method,
-                   const MethodResult& result, size_t first, size_t count) {
+void note_failures(const Run& run, const PredictorFigures& predictor, MethodFigures& method, const MethodResult& result,
+                   size_t first, size_t count) {
     for (size_t k = 0; k < count; ++k) {
         const std::int64_t id = run.summary.figures.id[first + k];
         std::string what;
@@ -112,8 +112,7 @@ void judge_methods(const Run& run, const std::vector<TrueSample>& truth, size_t 
         parallel_for(static_cast<int>(truth.size()), run.options.jobs, [&](int, int index) {
             const auto k = static_cast<size_t>(index);
             const JudgedTarget& target = truth[k].target;
-            method.sample[first + k] =
-                run.judge.judge(cloth_of(result.position, k, target.position.rows()), target);
+            method.sample[first + k] = run.judge.judge(cloth_of(result.position, k, target.position.rows()), target);
         });
         note_failures(run, figures, method, result, first, truth.size());
     }
@@ -130,8 +129,7 @@ void judge_block(const Run& run, std::span<const int> slot, size_t first) {
         const auto k = static_cast<size_t>(index);
         figures.truth.method[0].sample[first + k] = run.judge.judge(truth[k].target.position, truth[k].target);
     });
-    for (size_t predictor = 0; predictor < run.judged.size(); ++predictor)
-        judge_methods(run, truth, predictor, first);
+    for (size_t predictor = 0; predictor < run.judged.size(); ++predictor) judge_methods(run, truth, predictor, first);
 }
 
 void judge_all(const Run& run) {
@@ -180,15 +178,15 @@ void add_remarks(const AccuracyOptions& options, bool has_body, AccuracySummary&
             summary.remark.push_back(fmt::format("of the {} accepted {} samples {} were drawn, by the data set's seed",
                                                  one.accepted, split_name(one.split), one.slot.size()));
         if (static_cast<int>(one.slot.size()) < fewest_samples)
-            summary.remark.push_back(fmt::format("{} {} samples are too few to tell methods apart", one.slot.size(),
-                                                 split_name(one.split)));
+            summary.remark.push_back(
+                fmt::format("{} {} samples are too few to tell methods apart", one.slot.size(), split_name(one.split)));
     }
     if (!has_body) summary.remark.emplace_back("the data set has no body: nothing is said about penetration");
     if (!summary.floor)
         summary.remark.emplace_back(
             "the simulator's noise is not known here: differences are held against their intervals alone");
-    summary.remark.push_back(
-        fmt::format("edges count as overstretched beyond {:g} times their rest length", 1 + options.overstretched_limit));
+    summary.remark.push_back(fmt::format("edges count as overstretched beyond {:g} times their rest length",
+                                         1 + options.overstretched_limit));
 }
 
 }  // namespace
@@ -222,8 +220,7 @@ AccuracySummary evaluate_accuracy(const AccuracyOptions& options) {
     make_columns(judged, summary);
     const Run run{options, samples, judge, runner, judged, summary};
     judge_all(run);
-    summary.verdicts =
-        judge_figures(summary.figures, summary.floor, static_cast<std::uint64_t>(dataset.header().seed));
+    summary.verdicts = judge_figures(summary.figures, summary.floor, static_cast<std::uint64_t>(dataset.header().seed));
     add_remarks(options, samples.has_body(), summary);
     const Shown shown = show(run);
     summary.results = folder.file("accuracy.json");

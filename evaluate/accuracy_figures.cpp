@@ -30,7 +30,10 @@ class SplitJudge {
   public:
     SplitJudge(const AccuracyFigures& figures, const std::optional<NoiseFloor>& floor, const Bootstrap& bootstrap,
                int split, AccuracyVerdicts& verdicts)
-        : row_(figures.rows_of(split)), floor_(floor), bootstrap_(bootstrap), split_(split_name(split)),
+        : row_(figures.rows_of(split)),
+          floor_(floor),
+          bootstrap_(bootstrap),
+          split_(split_name(split)),
           verdicts_(verdicts) {}
 
     void judge(const PredictorFigures& predictor) {
@@ -51,9 +54,7 @@ class SplitJudge {
     }
 
   private:
-    double floor_of(int q) const {
-        return floor_ ? floor_->value[static_cast<size_t>(q)] : files::Metric::missing;
-    }
+    double floor_of(int q) const { return floor_ ? floor_->value[static_cast<size_t>(q)] : files::Metric::missing; }
 
     void add_metric(const std::string& predictor, const std::string& method, int q, const std::vector<double>& value,
                     const Eigen::VectorXd& draws) {

@@ -55,7 +55,7 @@ inline constexpr int fewest_samples = 5;
 struct Comparison {
     std::string predictor, split, method;
     Quantity quantity = Quantity::sqrt_mse;
-    double difference = 0;   ///< the method's figure less the prediction's
+    double difference = 0;    ///< the method's figure less the prediction's
     Interval interval{0, 0};  ///< 95 %, by the paired bootstrap
     Judgement judgement = Judgement::too_few;
 };

@@ -5,7 +5,8 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <tuple>
+#include <set>
+#include <utility>
 
 #include "evaluate/accuracy_file.h"
 #include "files/metric_file.h"
@@ -49,8 +50,7 @@ Json own_members(const AccuracyOptions& options, const AccuracySummary& summary)
                           {"accepted", one.accepted},
                           {"judged", one.slot.size()}});
     for (const AccuracyFailure& one : summary.failure)
-        failures.push_back(
-            {{"predictor", one.predictor}, {"method", one.method}, {"id", one.id}, {"what", one.what}});
+        failures.push_back({{"predictor", one.predictor}, {"method", one.method}, {"id", one.id}, {"what", one.what}});
     for (const Comparison& one : summary.verdicts.comparison) comparisons.push_back(as_json(one));
     Json floor = nullptr;
     if (summary.floor) {
@@ -82,6 +82,22 @@ files::MetricFile metric_file(const AccuracyOptions& options, const AccuracySumm
     return file;
 }
 
+/// The methods that a short table tells of: the prediction, the strictest limit, the μ nearest to the paper's 0.1, and
+/// what was learned.
+std::set<std::string> told_methods(const PredictorFigures& predictor) {
+    std::set<std::string> told{predictor.method.front().method, "quasistatic@mu=best", "quasistatic@mu=vertex"};
+    const auto nearest = [&](const std::string& beginning, auto distance) {
+        const MethodFigures* best = nullptr;
+        for (const MethodFigures& one : predictor.method)
+            if (one.method.starts_with(beginning) && (!best || distance(one.setting) < distance(best->setting)))
+                best = &one;
+        if (best) told.insert(best->method);
+    };
+    nearest("inextensibility@", [](double limit) { return limit; });
+    nearest("quasistatic@", [](double mu) { return std::abs(std::log(mu / 0.1)); });
+    return told;
+}
+
 /// Rows of one split's table.
 class SplitTable {
   public:
@@ -98,21 +114,23 @@ class SplitTable {
     }
 
     void add(const PredictorFigures& predictor) {
+        const std::set<std::string> told = told_methods(predictor);
         for (const MethodFigures& method : predictor.method) {
+            if (!told.contains(method.method)) continue;
             const auto cell = [&](Quantity quantity, int width, int digits) {
-                const auto found = metric_.find("accuracy/" + predictor.predictor + "/" + split_ + "/" +
-                                                method.method + "/" + quantity_kind(quantity).name);
+                const auto found = metric_.find("accuracy/" + predictor.predictor + "/" + split_ + "/" + method.method +
+                                                "/" + quantity_kind(quantity).name);
                 const bool known = found != metric_.end() && std::isfinite(found->second->value);
                 return known ? fmt::format("{:>{}.{}f}", found->second->value, width, digits)
                              : fmt::format("{:>{}}", "-", width);
             };
             const auto verdict = verdict_.find({predictor.predictor, method.method});
-            text_ += fmt::format("{:<12} {:<28}", predictor.predictor, method.method) +
-                     cell(Quantity::sqrt_mse, 9, 3) + cell(Quantity::max_dist, 9, 2) +
-                     cell(Quantity::stretching_energy_error, 10, 4) + cell(Quantity::compression_energy_error, 10, 4) +
-                     cell(Quantity::normal_error, 9, 2) + cell(Quantity::overstretched_share, 8, 2) +
-                     cell(Quantity::largest_stretch, 9, 3) + cell(Quantity::penetration, 8, 2) +
-                     (verdict == verdict_.end() ? "" : "  " + verdict->second) + "\n";
+            text_ += fmt::format("{:<12} {:<28}", predictor.predictor, method.method) + cell(Quantity::sqrt_mse, 9, 3) +
+                     cell(Quantity::max_dist, 9, 2) + cell(Quantity::stretching_energy_error, 10, 4) +
+                     cell(Quantity::compression_energy_error, 10, 4) + cell(Quantity::normal_error, 9, 2) +
+                     cell(Quantity::overstretched_share, 8, 2) + cell(Quantity::largest_stretch, 9, 3) +
+                     cell(Quantity::penetration, 8, 2) + (verdict == verdict_.end() ? "" : "  " + verdict->second) +
+                     "\n";
         }
     }
     const std::string& text() const { return text_; }

@@ -13,7 +13,8 @@ namespace toile::evaluate {
 void write_accuracy(const AccuracyOptions& options, const files::DatasetHeader& header, const Shown& shown,
                     const AccuracySummary& summary);
 
-/// The tables on stdout: one for each split, in the units of `quantity_kind`, with the verdict on SqrtMSE.
+/// The tables on stdout: one for each split, in the units of `quantity_kind`, with the verdict on SqrtMSE. Of the
+/// limits and stiffnesses that were tried the strictest and the usual; accuracy.json has all.
 std::string accuracy_table(const AccuracySummary& summary);
 
 }  // namespace toile::evaluate

@@ -56,9 +56,8 @@ std::vector<int> worst_samples(const std::vector<int>& split, const std::vector<
     const std::array<int, 3> take = shares(there, most);
     std::vector<int> chosen;
     for (const size_t s : {2u, 1u, 0u}) {
-        std::stable_sort(row[s].begin(), row[s].end(), [&](int a, int b) {
-            return error[static_cast<size_t>(a)] > error[static_cast<size_t>(b)];
-        });
+        std::stable_sort(row[s].begin(), row[s].end(),
+                         [&](int a, int b) { return error[static_cast<size_t>(a)] > error[static_cast<size_t>(b)]; });
         chosen.insert(chosen.end(), row[s].begin(), row[s].begin() + take[s]);
     }
     return chosen;

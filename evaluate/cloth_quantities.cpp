@@ -154,10 +154,10 @@ Eigen::VectorXd ClothJudge::vertex_strain(const Positions& cloth) const {
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(cloth.rows()), weight = sum;
     for (int f = 0; f < mesh_.triangle_count(); ++f) {
         const auto corner = mesh_.triangle.row(f);
-        const double strain = largest_stretch(rest_metric_.row(f), edge_metric(cloth.row(corner[0]).eval(),
-                                                                               cloth.row(corner[1]).eval(),
-                                                                               cloth.row(corner[2]).eval())) -
-                              1.0;
+        const double strain =
+            largest_stretch(rest_metric_.row(f), edge_metric(cloth.row(corner[0]).eval(), cloth.row(corner[1]).eval(),
+                                                             cloth.row(corner[2]).eval())) -
+            1.0;
         if (!std::isfinite(strain)) continue;
         const auto rest = rest_metric_.row(f);
         const double area = 0.5 * std::sqrt(rest[0] * rest[2] - rest[1] * rest[1]);

@@ -25,8 +25,8 @@ Positions area_weighted_normals(const Triangles& triangle, const Positions& posi
 
 /// A sample's truth, prepared: its cloths are judged against it, and against the body it lies on.
 struct JudgedTarget {
-    Positions position;  ///< `[V x 3]` r_T [m]
-    Positions normal;    ///< `[V x 3]` as of `area_weighted_normals`
+    Positions position;                                    ///< `[V x 3]` r_T [m]
+    Positions normal;                                      ///< `[V x 3]` as of `area_weighted_normals`
     double stretching_energy = 0, compression_energy = 0;  ///< [J]
     std::shared_ptr<const skin::SurfaceQuery> body;        ///< the body in the sample's pose; null without one
     Eigen::VectorXd body_distance;                         ///< `[V]` of r_T, negative inside [m]

@@ -46,8 +46,7 @@ std::vector<JudgedSplit> choose_samples(const files::DatasetReader& dataset, con
     for (int one = 0; one < 3; ++one) {
         const bool asked = std::find(splits.begin(), splits.end(), one) != splits.end();
         if (!splits.empty() && !asked) continue;
-        JudgedSplit chosen =
-            choose_of(one, split, status, most, static_cast<std::uint64_t>(dataset.header().seed));
+        JudgedSplit chosen = choose_of(one, split, status, most, static_cast<std::uint64_t>(dataset.header().seed));
         if (asked && chosen.accepted == 0)
             throw Error(std::string("the data set has no accepted sample in the split ") + split_name(one),
                         path + ":/samples/split", "leave out --split " + std::string(split_name(one)));
@@ -88,8 +87,7 @@ std::vector<TrueSample> TrueSamples::read(std::span<const int> slot, int jobs) c
             throw Error("sample " + std::to_string(record.id) + " is accepted, but not finite",
                         dataset_.file().path() + ":/samples/cloth", "toile validate lists what is wrong with it");
     }
-    parallel_for(static_cast<int>(slot.size()), jobs,
-                 [&](int, int k) { prepare(samples[static_cast<size_t>(k)]); });
+    parallel_for(static_cast<int>(slot.size()), jobs, [&](int, int k) { prepare(samples[static_cast<size_t>(k)]); });
     return samples;
 }
 

@@ -21,6 +21,7 @@ PredictionSource from_file(const std::string& path, const files::DatasetReader& 
 std::vector<PredictionSource> prediction_sources(const std::vector<std::string>& paths,
                                                  const files::DatasetReader& dataset, const std::vector<int>& splits) {
     std::vector<PredictionSource> sources;
+    if (paths.empty()) throw Error("there are no predictions to judge", "--predictions");
     std::set<std::string> names{"target"};  // the truth's own row
     for (const std::string& path : paths) {
         sources.push_back(from_file(path, dataset, splits));

@@ -11,8 +11,8 @@ namespace toile::evaluate {
 
 /// A predictor that is judged: a predictions file, or one that is built in and fitted.
 struct PredictionSource {
-    std::string name;   ///< in tables and metrics; unique
-    std::string about;  ///< the file, or what was fitted
+    std::string name;                                                     ///< in tables and metrics; unique
+    std::string about;                                                    ///< the file, or what was fitted
     std::function<Positions(const files::SampleRecord& sample)> predict;  ///< r̂ `[V x 3]` [m]; one thread at a time
 };
 

@@ -15,10 +15,10 @@ namespace toile::evaluate {
 struct PriorMethod {
     enum class Kind { predicted, inextensibility, quasistatic };
     Kind kind = Kind::predicted;
-    std::string name = "predicted";       ///< "inextensibility@limit=0.05", "quasistatic@mu=0.1", "quasistatic@mu=best"
-    std::string title = "the prediction"; ///< for who looks at it
-    double setting = 0;                   ///< the limit ε or μ; of μ per vertex the geometric mean
-    Eigen::VectorXd mu;                   ///< `[V]` of the quasistatic prior
+    std::string name = "predicted";  ///< "inextensibility@limit=0.05", "quasistatic@mu=0.1", "quasistatic@mu=best"
+    std::string title = "the prediction";  ///< for who looks at it
+    double setting = 0;                    ///< the limit ε or μ; of μ per vertex the geometric mean
+    Eigen::VectorXd mu;                    ///< `[V]` of the quasistatic prior
 
     static PriorMethod inextensibility(double limit);
     /// `label` takes the number's place in the name: "best".
@@ -28,8 +28,8 @@ struct PriorMethod {
 
 /// Cloths of several samples after a method.
 struct MethodResult {
-    std::vector<double> position;        ///< `[N x V x 3]` [m]
-    std::vector<prior::Report> report;   ///< `[N]`; empty for the prediction itself
+    std::vector<double> position;       ///< `[N x V x 3]` [m]
+    std::vector<prior::Report> report;  ///< `[N]`; empty for the prediction itself
 };
 
 /// Puts batches of one mesh through both priors, one batch at a time. A sample's result depends on neither its

@@ -9,8 +9,8 @@ namespace toile::evaluate {
 /// What is asked of a cloth beside its target, in the order of tables.
 enum class Quantity {
     sqrt_mse,  ///< of one sample: √(mean over vertices of |r − r_T|²); of several: the root of the mean of its squares
-    max_dist,  ///< largest distance of a vertex from its target
-    stretching_energy,         ///< Σ ½ k_e (l_e − l̄_e)² over edges longer than at rest, k_e as in the quasistatic prior
+    max_dist,           ///< largest distance of a vertex from its target
+    stretching_energy,  ///< Σ ½ k_e (l_e − l̄_e)² over edges longer than at rest, k_e as in the quasistatic prior
     compression_energy,        ///< the same over the shorter ones
     stretching_energy_error,   ///< |E(r) − E(r_T)|
     compression_energy_error,  ///< the same
