@@ -7,12 +7,11 @@
 #include <vector>
 
 #include "evaluate/accuracy_figures.h"
+#include "evaluate/accuracy_mu.h"
 #include "evaluate/judged_samples.h"
 #include "generate/progress.h"
 
 namespace toile::evaluate {
-
-enum class LearnMu { none, global, vertex };
 
 struct AccuracyOptions {
     std::string dataset;
@@ -50,6 +49,7 @@ struct AccuracySummary {
     AccuracyFigures figures;
     AccuracyVerdicts verdicts;
     std::optional<NoiseFloor> floor;
+    std::vector<LearnedMu> mu;  ///< in the order of the predictors; empty where none was learned
     std::vector<AccuracyFailure> failure;
     std::vector<std::string> remark;  ///< what a reader of the tables should know, one sentence each
     double seconds = 0;               ///< of the whole run
