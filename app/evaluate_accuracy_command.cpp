@@ -60,6 +60,13 @@ void add_evaluate_accuracy(CLI::App& parent, Work& chosen) {
         ->type_name("M")
         ->allow_extra_args(false)
         ->capture_default_str();
+    const auto learn = std::make_shared<std::string>();
+    command
+        ->add_option(
+            "--learn-mu", *learn,
+            "by gradient on the train split: none, one for all vertices (global), or one for each too (vertex); "
+            "default: vertex, where the train split is predicted")
+        ->check(CLI::IsMember({"none", "global", "vertex"}));
     command
         ->add_option("--overstretched", options->overstretched_limit,
                      "an edge beyond (1 + E) times its rest length counts as overstretched")
@@ -84,10 +91,14 @@ void add_evaluate_accuracy(CLI::App& parent, Work& chosen) {
         "  toile evaluate accuracy --dataset out/quick/dataset.h5 --predictions predictions.h5 --out out/evaluation\n"
         "  toile evaluate accuracy --dataset out/quick/dataset.h5 --split test --mu 0.1 --limit 0 --out "
         "out/evaluation");
-    command->callback([flags, options, splits, &chosen] {
+    command->callback([flags, options, splits, learn, &chosen] {
         options->jobs = flags->jobs;
         for (const std::string& one : *splits)
             options->splits.push_back(one == "train" ? 0 : one == "validation" ? 1 : 2);
+        if (!learn->empty())
+            options->learn_mu = *learn == "none"     ? evaluate::LearnMu::none
+                                : *learn == "global" ? evaluate::LearnMu::global
+                                                     : evaluate::LearnMu::vertex;
         chosen = [options] { return accuracy(*options); };
     });
 }

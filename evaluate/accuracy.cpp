@@ -59,6 +59,26 @@ std::vector<PriorMethod> asked_methods(const AccuracyOptions& options, int verti
     return methods;
 }
 
+/// Learns μ for each predictor, where there is something to learn from, and adds it to the methods.
+void learn_all(const AccuracyOptions& options, const files::DatasetReader& dataset, std::vector<Judged>& judged,
+               AccuracySummary& summary) {
+    const LearnMuOptions learn{options.learn_mu.value_or(LearnMu::vertex), options.jobs, options.progress,
+                               options.interrupted};
+    if (learn.what == LearnMu::none) return;
+    for (Judged& one : judged) {
+        const std::string& why = one.source.why_no_train;
+        if (!why.empty()) {
+            if (options.learn_mu) throw Error("μ cannot be learned: " + why, one.source.about, "leave out --learn-mu");
+            summary.remark.push_back("μ was not learned for " + one.source.name + ": " + why);
+            continue;
+        }
+        summary.mu.push_back(learn_mu(dataset, one.source, learn));
+        const MuFit& fit = summary.mu.back().fit;
+        one.method.push_back(PriorMethod::quasistatic(fit.global.mu, summary.vertices, "best"));
+        if (fit.vertex.mu.size() > 0) one.method.push_back(PriorMethod::quasistatic_vertex(fit.vertex.mu));
+    }
+}
+
 /// Empty columns for every sample that will be judged.
 void make_columns(const std::vector<Judged>& judged, AccuracySummary& summary) {
     size_t count = 0;
@@ -215,6 +235,7 @@ AccuracySummary evaluate_accuracy(const AccuracyOptions& options) {
     if (const std::string noise = noise_path(options, folder); !noise.empty())
         summary.floor = read_noise_floor(noise, judge);
 
+    learn_all(options, dataset, judged, summary);
     const TrueSamples samples(dataset, judge);
     PriorRunner runner(dataset.header().mesh, options.jobs, options.dataset);
     make_columns(judged, summary);

@@ -21,7 +21,7 @@ struct AccuracyOptions {
     std::vector<int> splits;  ///< 0 train, 1 validation, 2 test; empty: all that have accepted samples
     std::vector<double> limits{0.0, 0.02, 0.05, 0.1};                       ///< ε of the inextensibility prior
     std::vector<double> mus{1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1e3};  ///< μ of the quasistatic prior
-    std::optional<LearnMu> learn_mu;    ///< nothing said: per vertex, where there are predictions to learn from
+    std::optional<LearnMu> learn_mu;    ///< nothing said: per vertex, where every train sample is predicted
     double overstretched_limit = 0.05;  ///< edges beyond (1 + this) times their rest length count as overstretched
     int samples = 0;                    ///< of each split at most, drawn by the data set's seed; 0: all
     int shown = 12;                     ///< samples that are kept to look at

@@ -44,6 +44,15 @@ void write_figures(files::Hdf5File& file, const AccuracyFigures& figures) {
     for (const PredictorFigures& predictor : figures.predictor) write(predictor);
 }
 
+/// Of the first predictor that it was learned for.
+void write_mu(files::Hdf5File& file, const std::vector<LearnedMu>& learned) {
+    if (learned.empty()) return;
+    const MuFit& fit = learned.front().fit;
+    file.write("/mu/global", std::vector<double>{fit.global.mu}, {});
+    if (fit.vertex.mu.size() > 0) file.write("/mu/vertex", fit.vertex.mu.data(), {fit.vertex.mu.size()});
+    file.set_attribute("/mu", "predictor", learned.front().predictor);
+}
+
 void append(std::vector<float>& to, const double* from, Eigen::Index count) {
     to.insert(to.end(), from, from + count);
 }
@@ -106,6 +115,7 @@ void write_accuracy_file(const std::string& path, const files::DatasetHeader& he
         file.write("/body/triangle", triangle.data(), {triangle.rows(), 3}, {deflate, {}});
     }
     write_figures(file, summary.figures);
+    write_mu(file, summary.mu);
     write_shown(file, header, shown);
     file.close();
 }

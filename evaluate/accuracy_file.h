@@ -15,6 +15,7 @@ namespace toile::evaluate {
 /// int8; those of the truth under `/figures/target/target`. `/shown/id`, `/shown/split` (S), `/shown/body` (S,Vb,3),
 /// `/shown/image` (S,C,H,W), and for each view `/shown/<view>/position` (S,V,3) [m], `.../distance`, `.../stretch`,
 /// `.../strain` (S,V), see `ClothFields`; attribute `title` of each view.
+/// Where μ was learned, `/mu/global` and `/mu/vertex` (V) for the first predictor (attribute `predictor`).
 void write_accuracy_file(const std::string& path, const files::DatasetHeader& header, const Shown& shown,
                          const AccuracySummary& summary);
 

@@ -31,13 +31,53 @@ Json as_json(const Comparison& one) {
             {"judgement", judgement_text(one.judgement)}};
 }
 
-Json predictors_json(const AccuracyFigures& figures) {
+Json as_json(const MuErrors& errors) {
+    return {{"predicted", number(errors.predicted)},
+            {"reference", number(errors.reference)},
+            {"fitted", number(errors.fitted)}};
+}
+
+/// What was learned of μ, but for μ per vertex itself, which is in the arrays. Errors in metres.
+Json as_json(const MuFit& fit) {
+    Json history = Json::array(), tried = Json::array();
+    for (const MuStep& one : fit.global.history)
+        history.push_back({{"mu", number(one.mu)}, {"error", number(one.error)}});
+    for (const MuSmoothness& one : fit.vertex.tried)
+        tried.push_back({{"weight", number(one.weight)},
+                         {"train", number(one.train)},
+                         {"validation", number(one.validation)},
+                         {"status", mu_status_name(one.status)}});
+    Json json{{"samples", fit.samples},
+              {"validation_samples", fit.validation_samples},
+              {"global",
+               {{"mu", number(fit.global.mu)},
+                {"status", mu_status_name(fit.global.status)},
+                {"train", as_json(fit.global.train)},
+                {"validation", as_json(fit.global.validation)},
+                {"history", std::move(history)}}}};
+    if (fit.vertex.mu.size() > 0)
+        json["vertex"] = {{"least", number(fit.vertex.mu.minCoeff())},
+                          {"most", number(fit.vertex.mu.maxCoeff())},
+                          {"status", mu_status_name(fit.vertex.status)},
+                          {"smoothness", number(fit.vertex.smoothness)},
+                          {"train", as_json(fit.vertex.train)},
+                          {"validation", as_json(fit.vertex.validation)},
+                          {"tried", std::move(tried)}};
+    return json;
+}
+
+Json predictors_json(const AccuracySummary& summary) {
     Json predictors = Json::array();
-    for (const PredictorFigures& predictor : figures.predictor) {
+    for (const PredictorFigures& predictor : summary.figures.predictor) {
         Json methods = Json::array();
         for (const MethodFigures& one : predictor.method)
             methods.push_back({{"method", one.method}, {"title", one.title}, {"setting", number(one.setting)}});
         predictors.push_back({{"name", predictor.predictor}, {"methods", std::move(methods)}});
+        for (const LearnedMu& one : summary.mu) {
+            if (one.predictor != predictor.predictor) continue;
+            predictors.back()["mu_sentence"] = one.fit.sentence;
+            predictors.back()["mu"] = as_json(one.fit);
+        }
     }
     return predictors;
 }
@@ -63,7 +103,7 @@ Json own_members(const AccuracyOptions& options, const AccuracySummary& summary)
               {"overstretched_limit", options.overstretched_limit},
               {"bootstrap_draws", Bootstrap::draws},
               {"splits", std::move(splits)},
-              {"predictors", predictors_json(summary.figures)},
+              {"predictors", predictors_json(summary)},
               {"noise_floor", std::move(floor)},
               {"remarks", summary.remark},
               {"failures", std::move(failures)},

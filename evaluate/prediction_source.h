@@ -14,6 +14,8 @@ struct PredictionSource {
     std::string name;                                                     ///< in tables and metrics; unique
     std::string about;                                                    ///< the file, or what was fitted
     std::function<Positions(const files::SampleRecord& sample)> predict;  ///< r̂ `[V x 3]` [m]; one thread at a time
+    /// Why nothing can be learned from its predictions of the train split; empty where it can.
+    std::string why_no_train;
 };
 
 /// Predictors from files, checked against the data set's accepted samples of `splits`; without files the built-in ones,
