@@ -35,14 +35,15 @@ Eigen::RowVector3d edge_metric(const Corner& a, const Corner& b, const Corner& c
     return {first.dot(first), first.dot(second), second.dot(second)};
 }
 
-/// Largest principal stretch: the root of the largest eigenvalue of rest⁻¹ now. NaN for a triangle without area.
+/// Largest principal stretch: the root of the largest eigenvalue of L⁻¹ now L⁻ᵀ, with L Lᵀ = rest. NaN for a triangle
+/// without area.
 double largest_stretch(const Eigen::RowVector3d& rest, const Eigen::RowVector3d& now) {
-    const double area = rest[0] * rest[2] - rest[1] * rest[1];
-    if (!(area > 0)) return not_a_number;
-    const double half_trace = 0.5 * (rest[2] * now[0] - 2 * rest[1] * now[1] + rest[0] * now[2]) / area;
-    const double determinant = (now[0] * now[2] - now[1] * now[1]) / area;
-    const double root = std::sqrt(std::max(half_trace * half_trace - determinant, 0.0));
-    return std::sqrt(std::max(half_trace + root, 0.0));
+    const double first = std::sqrt(rest[0]), slant = rest[1] / first, second = std::sqrt(rest[2] - slant * slant);
+    if (!(first > 0) || !(second > 0)) return not_a_number;
+    const double a = now[0] / rest[0];
+    const double b = (now[1] / first - slant * a) / second;
+    const double c = ((now[2] - slant * now[1] / first) / second - slant * b) / second;
+    return std::sqrt(0.5 * (a + c) + std::hypot(0.5 * (a - c), b));
 }
 
 }  // namespace
