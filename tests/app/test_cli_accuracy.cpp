@@ -105,6 +105,7 @@ TEST_F(CliAccuracy, RefusesTheNoiseOfAnotherMesh) {
     files::NoiseHeader header;
     header.mesh = files::DatasetReader(path("other.h5")).header().mesh;
     header.reasons = {"accepted"};
+    header.variant = {{"half_step", "half the step"}};
     files::NoiseWriter writer(path("noise.h5"), header, 0);
     writer.finish();
     expect_refused(command(" --noise noise.h5"), "another mesh");
