@@ -1,10 +1,10 @@
-#include "bench/derivative_identity.h"
+#include "evaluate/derivative_identity.h"
 
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
-namespace toile::bench {
+namespace toile::evaluate {
 namespace {
 
 using View = Eigen::Map<const Eigen::VectorXd>;
@@ -42,4 +42,4 @@ double identity_error(std::span<const double> loss_gradient, std::span<const dou
     return forward == 0 && backward == 0 ? 0.0 : std::abs(forward - backward) / size;
 }
 
-}  // namespace toile::bench
+}  // namespace toile::evaluate

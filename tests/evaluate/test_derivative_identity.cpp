@@ -3,9 +3,9 @@
 #include <Eigen/Core>
 #include <cmath>
 
-#include "bench/derivative_identity.h"
+#include "evaluate/derivative_identity.h"
 
-namespace toile::bench {
+namespace toile::evaluate {
 namespace {
 
 struct Products {
@@ -51,4 +51,4 @@ TEST(DerivativeIdentity, ProbesAreHalfAlongTheGradient) {
 }
 
 }  // namespace
-}  // namespace toile::bench
+}  // namespace toile::evaluate

@@ -4,11 +4,11 @@
 #include <functional>
 #include <string>
 
-#include "bench/problem_meshes.h"
 #include "cloth/topology.h"
+#include "evaluate/problem_meshes.h"
 #include "prior/rest_state.h"
 
-namespace toile::bench {
+namespace toile::evaluate {
 namespace {
 
 struct Maker {
@@ -108,4 +108,4 @@ TEST(ProblemMeshes, NewNumbersAreThoseOfTheSameCloth) {
 }
 
 }  // namespace
-}  // namespace toile::bench
+}  // namespace toile::evaluate

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <set>
 
-#include "bench/predictions.h"
-#include "bench/problem_meshes.h"
+#include "evaluate/problem_meshes.h"
+#include "evaluate/stress_predictions.h"
 
-namespace toile::bench {
+namespace toile::evaluate {
 namespace {
 
 Positions patch(int columns = 12, int rows = 10) {
@@ -69,4 +69,4 @@ TEST(Predictions, FeasibleOnesAreWithinTheirLimits) {
 }
 
 }  // namespace
-}  // namespace toile::bench
+}  // namespace toile::evaluate

@@ -1,21 +1,22 @@
-#include "bench/stress_inextensibility.h"
+#include "evaluate/stress_inextensibility.h"
 
 #include <algorithm>
+#include <utility>
 
-#include "bench/derivative_identity.h"
+#include "evaluate/derivative_identity.h"
 #include "prior/inextensibility.h"
 
-namespace toile::bench {
+namespace toile::evaluate {
 namespace {
 
 using prior::Inextensibility;
 
 void check_derivative(const StressProblem& problem, const Inextensibility& solver,
                       const prior::InextensibilitySolution& solution, Inextensibility::Workspace& workspace,
-                      std::span<StressOutcome> outcome) {
+                      std::span<StressOutcome> outcome, std::vector<double>& loss_gradient) {
     Random random(problem.derivative_seed);
     const int samples = problem.sample_count();
-    const std::vector<double> loss_gradient = random_direction(problem.predicted.size(), random);
+    loss_gradient = random_direction(problem.predicted.size(), random);
     prior::InextensibilityGradient gradient;
     solver.backward(solution, loss_gradient, gradient, workspace);
     const std::vector<double> direction = probe_direction(gradient.predicted, samples, random);
@@ -37,9 +38,11 @@ void check_derivative(const StressProblem& problem, const Inextensibility& solve
 
 }  // namespace
 
-void solve_inextensibility(const StressProblem& problem, std::span<StressOutcome> outcome) {
+void solve_inextensibility(const StressProblem& problem, StressRoute route, std::span<StressOutcome> outcome,
+                           StressSolution& kept) {
     prior::InextensibilityOptions options;
     options.tolerance = problem.tolerance;
+    if (route == StressRoute::paper) options.method = prior::InextensibilityOptions::Method::cone;
     const Inextensibility solver(
         prior::InextensibilityModel::from(prior::rest_state(problem.mesh), problem.stretch_limit), options);
     Inextensibility::Workspace workspace(solver);
@@ -56,7 +59,8 @@ void solve_inextensibility(const StressProblem& problem, std::span<StressOutcome
             std::span<const double>(solution.position).subspan(s * positions, positions),
             std::span<const double>(solution.multiplier).subspan(s * edges, edges));
     }
-    if (problem.check_derivative) check_derivative(problem, solver, solution, workspace, outcome);
+    if (problem.check_derivative) check_derivative(problem, solver, solution, workspace, outcome, kept.loss_gradient);
+    kept.position = std::move(solution.position);
 }
 
-}  // namespace toile::bench
+}  // namespace toile::evaluate

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "bench/random.h"
 #include "cloth/cloth_mesh.h"
+#include "evaluate/random.h"
 
-namespace toile::bench {
+namespace toile::evaluate {
 
 // Meshes made by code: no two seeds give the same one. They carry no pattern and no mass, so their rest state is the
 // rest position, of uniform density. Triangles of a grid meet along diagonals whose way is drawn; vertices are shaken
@@ -28,4 +28,4 @@ ClothMesh patch_with_fin(int columns, int rows, double edge_length, Random& rand
 /// Gives the vertices new numbers, in a random order.
 void renumber_vertices(ClothMesh& mesh, Random& random);
 
-}  // namespace toile::bench
+}  // namespace toile::evaluate

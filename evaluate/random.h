@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <random>
 
-namespace toile::bench {
+namespace toile::evaluate {
 
 /// Random numbers from an explicit seed: the same ones on every machine with this C++ library.
 class Random {
@@ -35,4 +35,4 @@ class Random {
     std::normal_distribution<double> normal_;
 };
 
-}  // namespace toile::bench
+}  // namespace toile::evaluate

@@ -1,10 +1,10 @@
-#include "bench/predictions.h"
+#include "evaluate/stress_predictions.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-namespace toile::bench {
+namespace toile::evaluate {
 namespace {
 
 using Eigen::RowVector3d;
@@ -166,4 +166,4 @@ Positions extreme_positions(const Positions& rest, PredictionKind kind, double e
     return result;
 }
 
-}  // namespace toile::bench
+}  // namespace toile::evaluate

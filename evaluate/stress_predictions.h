@@ -3,10 +3,10 @@
 #include <array>
 #include <string_view>
 
-#include "bench/random.h"
 #include "cloth/types.h"
+#include "evaluate/random.h"
 
-namespace toile::bench {
+namespace toile::evaluate {
 
 /// What a prediction looks like: from what a good predictor gives to what nobody would.
 enum class PredictionKind {
@@ -46,4 +46,4 @@ Positions predicted_positions(const Positions& rest, double rms, double white_sh
 Positions extreme_positions(const Positions& rest, PredictionKind kind, double edge_length, double noise,
                             double stretch_limit, Random& random);
 
-}  // namespace toile::bench
+}  // namespace toile::evaluate

@@ -3,9 +3,9 @@
 #include <span>
 #include <vector>
 
-#include "bench/random.h"
+#include "evaluate/random.h"
 
-namespace toile::bench {
+namespace toile::evaluate {
 
 std::vector<double> random_direction(std::size_t size, Random& random);
 
@@ -18,4 +18,4 @@ std::vector<double> probe_direction(std::span<const double> gradient, int sample
 double identity_error(std::span<const double> loss_gradient, std::span<const double> tangent,
                       std::span<const double> gradient, std::span<const double> direction);
 
-}  // namespace toile::bench
+}  // namespace toile::evaluate

@@ -1,4 +1,4 @@
-#include "bench/problem_meshes.h"
+#include "evaluate/problem_meshes.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 
 #include "cloth/topology.h"
 
-namespace toile::bench {
+namespace toile::evaluate {
 namespace {
 
 struct Grid {
@@ -161,4 +161,4 @@ void renumber_vertices(ClothMesh& mesh, Random& random) {
     for (int& v : mesh.triangle.reshaped()) v = place[v];
 }
 
-}  // namespace toile::bench
+}  // namespace toile::evaluate

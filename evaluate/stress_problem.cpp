@@ -1,12 +1,12 @@
-#include "bench/stress_problem.h"
+#include "evaluate/stress_problem.h"
 
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 
-#include "bench/problem_meshes.h"
+#include "evaluate/problem_meshes.h"
 
-namespace toile::bench {
+namespace toile::evaluate {
 namespace {
 
 /// A mesh of about `vertices` vertices, in metres.
@@ -102,6 +102,14 @@ StressProblem draw_problem(const StressDraw& draw, int number) {
     return problem;
 }
 
+Eigen::VectorXd StressProblem::mu_of_vertices() const {
+    Eigen::VectorXd all = Eigen::VectorXd::Constant(mesh.vertex_count(), mu);
+    if (!mu_varies) return all;
+    Random random(derivative_seed + 1);
+    for (double& value : all) value = mu * random.log_uniform(0.1, 10.0);
+    return all;
+}
+
 std::string StressProblem::description(int sample) const {
     std::ostringstream line;
     line.precision(4);
@@ -119,4 +127,4 @@ std::string StressProblem::description(int sample) const {
     return line.str();
 }
 
-}  // namespace toile::bench
+}  // namespace toile::evaluate

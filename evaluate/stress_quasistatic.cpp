@@ -1,11 +1,12 @@
-#include "bench/stress_quasistatic.h"
+#include "evaluate/stress_quasistatic.h"
 
 #include <algorithm>
+#include <utility>
 
-#include "bench/derivative_identity.h"
+#include "evaluate/derivative_identity.h"
 #include "prior/quasistatic.h"
 
-namespace toile::bench {
+namespace toile::evaluate {
 namespace {
 
 using prior::Quasistatic;
@@ -31,11 +32,11 @@ std::vector<double> join(const std::vector<double>& predicted, const std::vector
 
 void check_derivative(const StressProblem& problem, const Quasistatic& solver,
                       const prior::QuasistaticSolution& solution, Quasistatic::Workspace& workspace,
-                      std::span<StressOutcome> outcome) {
+                      std::span<StressOutcome> outcome, std::vector<double>& loss_gradient) {
     Random random(problem.derivative_seed);
     const int samples = problem.sample_count();
     const std::size_t vertices = problem.predicted.size() / samples / 3;
-    const std::vector<double> loss_gradient = random_direction(problem.predicted.size(), random);
+    loss_gradient = random_direction(problem.predicted.size(), random);
     prior::QuasistaticGradient gradient;
     solver.backward(problem.predicted, solution, loss_gradient, gradient, workspace);
 
@@ -64,16 +65,13 @@ void check_derivative(const StressProblem& problem, const Quasistatic& solver,
 
 }  // namespace
 
-void solve_quasistatic(const StressProblem& problem, std::span<StressOutcome> outcome) {
+void solve_quasistatic(const StressProblem& problem, StressRoute route, std::span<StressOutcome> outcome,
+                       StressSolution& kept) {
     prior::QuasistaticOptions options;
     options.tolerance = problem.tolerance;
+    if (route == StressRoute::paper) options.method = prior::QuasistaticOptions::Method::newton_cg;
     Quasistatic solver(model_of(problem), options);
-    if (problem.mu_varies) {
-        Random random(problem.derivative_seed + 1);
-        Eigen::VectorXd mu(problem.mesh.vertex_count());
-        for (double& value : mu) value = problem.mu * random.log_uniform(0.1, 10.0);
-        solver.set_mu(mu);
-    }
+    if (problem.mu_varies) solver.set_mu(problem.mu_of_vertices());
     Quasistatic::Workspace workspace(solver);
     prior::QuasistaticSolution solution;
     solver.project(problem.predicted, solution, workspace);
@@ -86,7 +84,8 @@ void solve_quasistatic(const StressProblem& problem, std::span<StressOutcome> ou
             prior::quasistatic_residual(solver.model(), std::span(problem.predicted).subspan(s * positions, positions),
                                         std::span<const double>(solution.position).subspan(s * positions, positions));
     }
-    if (problem.check_derivative) check_derivative(problem, solver, solution, workspace, outcome);
+    if (problem.check_derivative) check_derivative(problem, solver, solution, workspace, outcome, kept.loss_gradient);
+    kept.position = std::move(solution.position);
 }
 
-}  // namespace toile::bench
+}  // namespace toile::evaluate

@@ -5,10 +5,10 @@
 #include <string_view>
 #include <vector>
 
-#include "bench/predictions.h"
 #include "cloth/cloth_mesh.h"
+#include "evaluate/stress_predictions.h"
 
-namespace toile::bench {
+namespace toile::evaluate {
 
 enum class PriorKind { inextensibility, quasistatic };
 enum class MeshKind { tube, patch, irregular, pieces, fin };
@@ -45,10 +45,12 @@ struct StressProblem {
     std::uint64_t derivative_seed = 0;
 
     int sample_count() const { return static_cast<int>(kind.size()); }
+    /// μ_i `[V]` of the quasistatic prior.
+    Eigen::VectorXd mu_of_vertices() const;
     /// One line with all that was drawn for a sample.
     std::string description(int sample) const;
 };
 
 StressProblem draw_problem(const StressDraw& draw, int number);
 
-}  // namespace toile::bench
+}  // namespace toile::evaluate

@@ -2,9 +2,9 @@
 
 #include <set>
 
-#include "bench/stress_problem.h"
+#include "evaluate/stress_problem.h"
 
-namespace toile::bench {
+namespace toile::evaluate {
 namespace {
 
 TEST(StressProblem, ItsNumberAloneDecides) {
@@ -51,4 +51,4 @@ TEST(StressProblem, HugeOnesCome) {
 }
 
 }  // namespace
-}  // namespace toile::bench
+}  // namespace toile::evaluate
