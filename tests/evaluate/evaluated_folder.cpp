@@ -58,6 +58,9 @@ EvaluatedFolder::EvaluatedFolder() {
     accuracy_own = {
         {"accuracy",
          {{"vertices", 4},
+          {"overstretched_limit", 0.05},
+          {"noise_floor", nullptr},
+          {"remarks", Json::array()},
           {"splits", {{{"name", "test"}, {"samples", 52}, {"accepted", 50}, {"judged", 50}}}},
           {"predictors",
            {{{"name", "ridge"},
@@ -95,8 +98,8 @@ std::string EvaluatedFolder::text(const std::string& name) const {
 
 void EvaluatedFolder::write() {
     files::write_metric_file(file("accuracy.json"), accuracy, accuracy_own);
-    files::write_metric_file(file("runtime.json"), runtime);
-    files::write_metric_file(file("stability.json"), stability);
+    files::write_metric_file(file("runtime.json"), runtime, Json{{"study", Json::array()}});
+    files::write_metric_file(file("stability.json"), stability, Json{{"cases", Json::array()}});
 }
 
 void EvaluatedFolder::write_arrays() {
