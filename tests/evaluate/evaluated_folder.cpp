@@ -9,6 +9,7 @@
 #include <sstream>
 #include <vector>
 
+#include "evaluate/quantity.h"
 #include "files/hdf5_file.h"
 
 namespace toile::evaluate {
@@ -128,6 +129,12 @@ void EvaluatedFolder::write_arrays() {
     image[0] = 0.012f;
     out.write("/shown/image", image, {2, 6, 2, 2});
     out.write("/mu/vertex", std::vector<double>{0.01, 0.1, 1, 10}, {4});
+    out.write("/figures/id", std::vector<std::int64_t>{17, 4}, {2});
+    out.write("/figures/split", std::vector<std::int8_t>{2, 0}, {2});
+    for (const char* method : {"predicted", "inextensibility@limit=0", "quasistatic@mu=best"})
+        for (int quantity = 0; quantity < quantity_count; ++quantity)
+            out.write("/figures/ridge/" + std::string(method) + "/" + quantity_kind(quantity).name,
+                      std::vector<double>{1.5, 2.5}, {2});
     out.close();
 }
 
