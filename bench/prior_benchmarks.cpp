@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "bench/factorisation_unit.h"
+#include "cloth/factorisation_unit.h"
 #include "bench/peak_memory.h"
 #include "bench/timed_priors.h"
 
