@@ -46,10 +46,10 @@ ReferenceGradients reference_gradients(const RuntimeSamples& samples, const Swep
             continue;
         }
         ++study.refused;
-        study.left_out.push_back(
-            fmt::format("sample {} has no {} gradient to compare with: {}; the sample is refused", samples.record[s].id,
-                        references.prior,
-                        report.positive_definite ? fmt::format("linear residual {:.1e}", report.linear_residual)
+        study.left_out.push_back(fmt::format("sample {} has no {} gradient to compare with: {}; the sample is refused",
+                                             samples.record[s].id, references.prior,
+                                             report.positive_definite
+                                                 ? fmt::format("linear residual {:.1e}", report.linear_residual)
                                                  : "its reference is no strict minimum"));
     }
     study.text.push_back(fmt::format(
@@ -126,8 +126,7 @@ Study study_gradients(const RuntimeSamples& samples, const PriorSweep& sweep, co
     std::map<std::string, ReferenceGradients> gradient;
     for (const PriorMethod& method : prior_methods())
         if (!gradient.count(method.prior))
-            gradient[method.prior] =
-                reference_gradients(samples, of_prior(references, method.prior), method, study);
+            gradient[method.prior] = reference_gradients(samples, of_prior(references, method.prior), method, study);
 
     const auto swept = make_swept_priors(samples, sweep);
     std::vector<TimedTask> task;
@@ -149,9 +148,9 @@ Study study_gradients(const RuntimeSamples& samples, const PriorSweep& sweep, co
         const PriorMethod& method = swept[k]->method;
         auto& of_method = check[method.name()];
         if (!of_method) of_method = std::make_unique<MinimumCheck>(method, samples.rest);
-        add_result(study, *swept[k], timings, static_cast<int>(k),
-                   outcome_of(*swept[k], samples, of_prior(references, method.prior), gradient[method.prior],
-                              *of_method));
+        add_result(
+            study, *swept[k], timings, static_cast<int>(k),
+            outcome_of(*swept[k], samples, of_prior(references, method.prior), gradient[method.prior], *of_method));
     }
     return study;
 }

@@ -21,8 +21,8 @@ struct NoiseSource {
     std::vector<Pose> pose;  ///< all there are, in order of their id
 };
 
-/// The resolved configuration of a data set at `path`: the config.toml beside it where it is still the same, whose paths
-/// are absolute, else the one that the file stores. Throws Error for what is wrong with it or with `overrides`.
+/// The resolved configuration of a data set at `path`: the config.toml beside it where it is still the same, whose
+/// paths are absolute, else the one that the file stores. Throws Error for what is wrong with it or with `overrides`.
 generate::SceneConfig dataset_config(const files::DatasetHeader& header, const std::string& path,
                                      const std::vector<std::string>& overrides);
 

@@ -71,14 +71,25 @@ Spread scaled(Spread spread, double factor) {
 class Results {
   public:
     explicit Results(Study& study, const Timings& timings) : study_(study), timings_(timings) {
-        distance_ = {"priors-rms", "Distance to the reference solution",
+        distance_ = {"priors-rms",
+                     "Distance to the reference solution",
                      "Root mean square over the vertices. Bars: quartiles over the samples. The reference of "
                      "position-based projection is the inextensibility prior's.",
-                     {"seconds a sample", "s", true}, {"distance to the reference", "mm", true}, {}};
-        largest_ = {"priors-largest", "Largest distance to the reference solution", "", distance_.x,
-                    {"largest distance", "mm", true}, {}};
-        stretch_ = {"priors-stretch", "Stretch that is left", "The largest of all edges, over its limit.", distance_.x,
-                    {"longest edge over its limit, minus one", "", true}, {}};
+                     {"seconds a sample", "s", true},
+                     {"distance to the reference", "mm", true},
+                     {}};
+        largest_ = {"priors-largest",
+                    "Largest distance to the reference solution",
+                    "",
+                    distance_.x,
+                    {"largest distance", "mm", true},
+                    {}};
+        stretch_ = {"priors-stretch",
+                    "Stretch that is left",
+                    "The largest of all edges, over its limit.",
+                    distance_.x,
+                    {"longest edge over its limit, minus one", "", true},
+                    {}};
         table_ = {"priors-table",
                   "Priors: error against run time",
                   "Missed: samples that did not reach the tolerance asked for. Elsewhere: samples that went to another "
@@ -158,7 +169,8 @@ Study study_priors(const RuntimeSamples& samples, const PriorSweep& sweep, const
                             prior->prior->project(samples.predicted[s], prior->solved[s]);
                         }});
     for (SweptProjection& one : sweeps)
-        task.push_back({"position_projection", [&one, &projection](int s) { projection.sweep(one.position[s], one.sweeps); },
+        task.push_back({"position_projection",
+                        [&one, &projection](int s) { projection.sweep(one.position[s], one.sweeps); },
                         [&one, &samples](int s) { one.position[s] = positions(samples.predicted[s]); }});
     const auto unit = unit_of(samples);
     const Timings timings = time_interleaved(task, samples.count(), factorisation(unit), repeat, clock);

@@ -13,7 +13,7 @@ struct SweptPrior {
     PriorMethod method;
     double tolerance = 0;
     std::unique_ptr<StudiedPrior> prior;
-    std::vector<StudiedPrior::Solved> solved;       ///< `[N]`
+    std::vector<StudiedPrior::Solved> solved;      ///< `[N]`
     std::vector<StudiedPrior::Gradient> gradient;  ///< `[N]` where it was asked for
 
     std::string label() const;  ///< "tolerance 1e-06"

@@ -44,7 +44,8 @@ Positions smooth_error(const Positions& rest, std::mt19937_64& random) {
     std::uniform_real_distribution<double> unit(0.0, 1.0);
     Positions error = Positions::Zero(rest.rows(), 3);
     for (int wave = 0; wave < 12; ++wave) {
-        const Eigen::RowVector3d along = Eigen::RowVector3d(normal(random), normal(random), normal(random)).normalized();
+        const Eigen::RowVector3d along =
+            Eigen::RowVector3d(normal(random), normal(random), normal(random)).normalized();
         const Eigen::RowVector3d direction(normal(random), normal(random), normal(random));
         const double length = size * 0.25 * std::pow(8.0, unit(random)), phase = 2.0 * std::numbers::pi * unit(random);
         for (Eigen::Index v = 0; v < rest.rows(); ++v)
@@ -55,8 +56,7 @@ Positions smooth_error(const Positions& rest, std::mt19937_64& random) {
 
 }  // namespace
 
-Positions noisy_cloth(const Positions& cloth, const Positions& rest, double rms, double roughness,
-                      std::uint64_t seed) {
+Positions noisy_cloth(const Positions& cloth, const Positions& rest, double rms, double roughness, std::uint64_t seed) {
     std::mt19937_64 random(seed);
     std::normal_distribution<double> normal;
     const Positions smooth = smooth_error(rest, random);
@@ -78,8 +78,8 @@ std::vector<int> predicted_slots(const files::DatasetReader& dataset, const std:
     for (const int one : slot)
         if (predictions.has(dataset.read_columns(one, 1)[0].id)) left.push_back(one);
     if (left.empty())
-        throw Error("the predictions are of none of the data set's accepted samples", predictions.path() + ":/samples/id",
-                    "predict this data set: toile predict");
+        throw Error("the predictions are of none of the data set's accepted samples",
+                    predictions.path() + ":/samples/id", "predict this data set: toile predict");
     return left;
 }
 

@@ -11,8 +11,8 @@ namespace toile::evaluate {
 
 /// Where the predictions of the samples come from.
 struct RuntimePredictions {
-    std::string file;       ///< a predictions file, or empty: the truth with seeded noise
-    double noise = 0.005;   ///< of the truth with noise: root mean square over the vertices [m]
+    std::string file;        ///< a predictions file, or empty: the truth with seeded noise
+    double noise = 0.005;    ///< of the truth with noise: root mean square over the vertices [m]
     std::uint64_t seed = 1;  ///< of the noise, and of the choice of samples
 };
 

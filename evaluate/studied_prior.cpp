@@ -111,8 +111,8 @@ std::vector<Reference> certified_references(const std::vector<PriorMethod>& meth
             trial.method = method.method;
             prior->project(predicted[s], trial.solved);
             trial.residual = prior->residual(predicted[s], trial.solved);
-            trial.certified = trial.solved.report[0].status == prior::Status::converged &&
-                              trial.residual <= reference_tolerance;
+            trial.certified =
+                trial.solved.report[0].status == prior::Status::converged && trial.residual <= reference_tolerance;
             if (trial.certified || reference[s].method.empty()) reference[s] = std::move(trial);
         }
     }

@@ -55,7 +55,7 @@ inline constexpr double reference_tolerance = 1e-10;
 /// The solution that others are compared with, of one sample.
 struct Reference {
     StudiedPrior::Solved solved;
-    double residual = 0;   ///< computed again
+    double residual = 0;     ///< computed again
     bool certified = false;  ///< the solver says converged, and the residual computed again is within its tolerance
     std::string method;
 };

@@ -31,9 +31,9 @@ struct TimedTask {
 
 /// How often things are timed.
 struct RepeatOptions {
-    int rounds = 5;       ///< at most, at least 1
-    int least = 2;        ///< rounds that every task gets
-    double budget = 20;   ///< a task that has taken longer than this in all gets no round beyond `least` [s]
+    int rounds = 5;      ///< at most, at least 1
+    int least = 2;       ///< rounds that every task gets
+    double budget = 20;  ///< a task that has taken longer than this in all gets no round beyond `least` [s]
     generate::ProgressCallback progress = {};
     const std::atomic<bool>* interrupted = nullptr;  ///< throws generate::Interrupted between two tasks
 };

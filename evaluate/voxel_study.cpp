@@ -167,8 +167,8 @@ Study study_voxels(const RuntimeSamples& samples, const std::string& dataset, co
     }
     const PowerLaw cost = fit_power_law(edge, seconds);
     add_metric(study, "exponent", {cost.exponent_low, cost.exponent, cost.exponent_high}, "exponent", samples.count());
-    study.text.push_back(fmt::format("The time to build grows as one over the voxel to the power {}.",
-                                     short_number(cost.exponent)));
+    study.text.push_back(
+        fmt::format("The time to build grows as one over the voxel to the power {}.", short_number(cost.exponent)));
     return study;
 }
 

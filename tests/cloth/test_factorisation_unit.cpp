@@ -1,7 +1,6 @@
-#include "cloth/factorisation_unit.h"
-
 #include <gtest/gtest.h>
 
+#include "cloth/factorisation_unit.h"
 #include "tests/cloth/vertex_graphs.h"
 
 namespace toile {
