@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "cloth/error.h"
+#include "files/predictions_file.h"
 
 namespace toile::generate {
 namespace {
@@ -12,41 +13,8 @@ namespace {
 constexpr const char* id_name = "/samples/id";
 constexpr const char* predicted_name = "/samples/predicted";
 
-bool is_type(const files::Hdf5File& file, const char* dataset, const char* prefix, const char* what,
-             std::vector<std::string>& defect) {
-    if (!file.is_dataset(dataset)) {
-        defect.push_back(std::string(dataset) + ": missing");
-        return false;
-    }
-    const std::string type = file.type_name(dataset);
-    if (type.starts_with(prefix) || type.starts_with(std::string("u") + prefix)) return true;
-    defect.push_back(std::string(dataset) + ": holds " + type + ", expected " + what);
-    return false;
-}
-
-bool check_shapes(const files::Shape& id, const files::Shape& predicted, std::vector<std::string>& defect) {
-    const size_t before = defect.size();
-    if (id.size() != 1)
-        defect.push_back(std::string(id_name) + ": has shape " + files::shape_text(id) + ", expected (N)");
-    if (predicted.size() != 3 || predicted[2] != 3)
-        defect.push_back(std::string(predicted_name) + ": has shape " + files::shape_text(predicted) +
-                         ", expected (N, V, 3)");
-    if (defect.size() == before && id[0] != predicted[0])
-        defect.push_back(std::string(predicted_name) + ": holds " + std::to_string(predicted[0]) + " samples for " +
-                         std::to_string(id[0]) + " ids");
-    return defect.size() == before;
-}
-
-/// Ids with their slots, in the ids' order.
-std::vector<std::pair<int64_t, int64_t>> sorted_ids(const std::vector<int64_t>& id) {
-    std::vector<std::pair<int64_t, int64_t>> sorted;
-    for (size_t i = 0; i < id.size(); ++i) sorted.emplace_back(id[i], static_cast<int64_t>(i));
-    std::sort(sorted.begin(), sorted.end());
-    return sorted;
-}
-
 void check_ids(const std::vector<int64_t>& id, std::vector<std::string>& defect) {
-    const auto sorted = sorted_ids(id);
+    const auto sorted = files::sorted_ids(id);
     for (size_t i = 1; i < sorted.size(); ++i)
         if (sorted[i].first == sorted[i - 1].first)
             defect.push_back(std::string(id_name) + "[" + std::to_string(sorted[i].second) +
@@ -92,9 +60,9 @@ bool is_predictions(const files::Hdf5File& file) {
 Validation validate_predictions(const std::string& path, const ValidateOptions& options) {
     Validation result;
     const files::Hdf5File file = files::Hdf5File::open(path);
-    bool sound = is_type(file, id_name, "int", "integers", result.defect);
-    sound &= is_type(file, predicted_name, "float", "floating point", result.defect);
-    if (!sound || !check_shapes(file.shape(id_name), file.shape(predicted_name), result.defect)) return result;
+    for (const files::StructureDefect& one : files::predictions_structure_defects(file))
+        result.defect.push_back(one.dataset + ": " + one.what);
+    if (!result.defect.empty()) return result;
     try {
         const std::vector<int64_t> id = file.read<int64_t>(id_name).value;
         result.samples = static_cast<int>(id.size());
