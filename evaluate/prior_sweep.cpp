@@ -81,7 +81,7 @@ std::function<void()> factorisation(const std::shared_ptr<FactorisationUnit>& un
 std::string timing_note(const RuntimeSamples& samples, const Timings& timings, const FactorisationUnit& unit) {
     const Spread one = timings.unit();
     return fmt::format(
-        "{} samples of {} vertices, predictions: {}. Seconds are wall time a sample, one at a time on one thread, "
+        "{} samples of {} vertices, predictions: {}. Seconds are processor time a sample, one at a time on one thread, "
         "without what is done once for a mesh: the median of the rounds, then median and quartiles over the samples. A "
         "ratio is in units of one CHOLMOD factorisation of this mesh's 3V x 3V matrix ({}), timed with every sample: "
         "{:.2f} ms (rounds {:.2f} to {:.2f}).",

@@ -65,7 +65,7 @@ Study run_meshes(const RuntimeOptions& options, const RuntimeSamples& samples, R
 Study run_batches(const RuntimeOptions& options, const RuntimeSamples& samples, const RepeatOptions& repeat) {
     BatchSweep sweep;
     if (options.quick) sweep = {{1, 4, 16}, {1, 2}};
-    return study_batches(samples, sweep, repeat, options.clock);
+    return study_batches(samples, sweep, repeat, options.wall);
 }
 
 Study run_study(const std::string& name, const RuntimeOptions& options, const RuntimeSamples& samples) {
@@ -117,7 +117,7 @@ int RuntimeSummary::refused() const {
 }
 
 RuntimeSummary evaluate_runtime(const RuntimeOptions& options) {
-    const double start = options.clock();
+    const double start = options.wall();
     const std::vector<std::string> chosen = chosen_studies(options.studies);
     const std::vector<MachineFact> machine = machine_facts();
     const int count = options.samples > 0 ? options.samples : options.quick ? 2 : 8;
@@ -130,7 +130,7 @@ RuntimeSummary evaluate_runtime(const RuntimeOptions& options) {
             throw generate::Interrupted("interrupted: no study was written");
         summary.study.push_back(run_study(name, options, samples));
     }
-    summary.seconds = options.clock() - start;
+    summary.seconds = options.wall() - start;
     write_runtime_results(summary, options, samples, machine);
     return summary;
 }

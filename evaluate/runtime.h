@@ -20,7 +20,8 @@ struct RuntimeOptions {
     int samples = 0;                   ///< that are measured; 0: 8, with `quick` 2
     int rounds = 0;                    ///< that each is timed, at most; 0: 5, with `quick` 2
     std::string command;               ///< as it was given, for runtime.json
-    Clock clock = wall_clock();
+    Clock clock = processor_clock();   ///< of what one thread does
+    Clock wall = wall_clock();         ///< of what several threads do
     generate::ProgressCallback progress = {};
     const std::atomic<bool>* interrupted = nullptr;
 };

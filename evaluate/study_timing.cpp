@@ -1,5 +1,7 @@
 #include "evaluate/study_timing.h"
 
+#include <time.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -63,6 +65,14 @@ void time_round(const std::vector<TimedTask>& task, const std::vector<bool>& in,
 
 Clock wall_clock() {
     return [] { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); };
+}
+
+Clock processor_clock() {
+    return [] {
+        timespec time{};
+        clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+        return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+    };
 }
 
 Spread quartiles(std::vector<double> value) {

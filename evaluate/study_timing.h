@@ -12,6 +12,9 @@ namespace toile::evaluate {
 /// Seconds from any fixed moment on. Given from outside, so that tests do not depend on time.
 using Clock = std::function<double()>;
 Clock wall_clock();
+/// Processor time of this process, all threads: of work on one thread what a clock on the wall shows on a machine that
+/// does nothing else.
+Clock processor_clock();
 
 /// A value with its spread. What low and high are is told where it is made.
 struct Spread {
