@@ -127,11 +127,12 @@ Study study_batches(const RuntimeSamples& samples, const BatchSweep& sweep, cons
     }
     const auto unit = unit_of(samples);
     const Timings timings = time_interleaved(task, 1, factorisation(unit), repeat, clock);
-    study.text.push_back(timing_note(samples, timings, *unit));
-    study.text.push_back(
-        fmt::format("A batch takes the {} samples in turn. The machine has {} cores; a sample's result "
-                    "does not depend on its batch or the threads.",
-                    samples.count(), std::thread::hardware_concurrency()));
+    study.text.push_back(fmt::format(
+        "{} samples of {} vertices in turn, as many as a batch holds. Seconds are wall time a sample, so that "
+        "threads show, and so does what else the machine does; it has {} cores. A ratio is in units of one "
+        "factorisation of this mesh's matrix: {:.2f} ms. A sample's result does not depend on its batch or "
+        "the threads.",
+        samples.count(), samples.vertex_count(), std::thread::hardware_concurrency(), 1e3 * timings.unit().middle));
     study.curves = {curves_of("batch-forward", "Projection: seconds a sample by batch size"),
                     curves_of("batch-backward", "Backward pass: seconds a sample by batch size")};
     study.table.push_back({"batch-table",

@@ -187,7 +187,7 @@ Study study_priors(const RuntimeSamples& samples, const PriorSweep& sweep, const
                     gate_of_error(one->tolerance));
     }
     for (const SweptProjection& one : sweeps)
-        results.add(projection_series, fmt::format("{} sweeps", one.sweeps),
+        results.add(projection_series, fmt::format("{} sweep{}", one.sweeps, one.sweeps > 1 ? "s" : ""),
                     fmt::format("position_projection@sweeps={}", one.sweeps), k++,
                     outcome_of(one, of_prior(references, "inextensibility"), projection), 0.0);
     results.finish();

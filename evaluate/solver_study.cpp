@@ -80,7 +80,8 @@ void make_references(DrapedScene& drapes, const RuntimeSamples& samples, const S
     study.text.push_back(fmt::format(
         "{} poses of the data set's own scene at {} vertices. Reference: implicit with a quarter of the steps and a "
         "tolerance of 1e-7, accepted by the gate; largest residual force {:.1e} of the garment's weight. Every drape "
-        "sets out from the same neutral drape and has one try.",
+        "sets out from the same neutral drape and has one try. Cloth with friction rests where its path has left it: a "
+        "distance that no setting lowers is that of two paths, not of a solver.",
         drapes.pose.size(), drapes.scene.garment.mesh.vertex_count(), worst));
 }
 
@@ -193,7 +194,7 @@ void measure(Study& study, DrapedScene& drapes, const SolverSweep& sweep, const 
     for (size_t k = 0; k < solvers.size(); ++k) {
         if (solvers[k]->given_up)
             study.left_out.push_back(
-                fmt::format("{}, {}: left out, the setting before it took longer than {:g} s a "
+                fmt::format("{}, {}: the setting before it took longer than {:g} s a "
                             "drape",
                             solvers[k]->setting.series, solvers[k]->setting.name, sweep.patience));
         else

@@ -45,7 +45,7 @@ class Runtime : public ::testing::Test {
         all.folder = path("out");
         all.studies = studies;
         all.quick = true;
-        all.clock = ticking();
+        all.clock = all.wall = ticking();
         return all;
     }
     void expect_refused(const RuntimeOptions& bad, const std::string& words) const {
