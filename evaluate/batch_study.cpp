@@ -106,7 +106,8 @@ void add_point(Study& study, int curve, const Batch& batch, const std::string& w
     const std::string name = fmt::format("{}/{}@batch={},threads={}", batch.prior, what, batch.size, batch.threads);
     add_metric(study, name + "/seconds", seconds, "s", batch.size);
     // Gated on one thread alone: what two threads bring depends on what else the machine does.
-    add_metric(study, name + "/time_ratio", units, "ratio", batch.size, batch.threads == 1 ? 0.3 : 0.0);
+    add_metric(study, name + "/time_ratio", units, "ratio", batch.size,
+               batch.threads == 1 && units.middle >= 0.05 ? 0.3 : 0.0);
     study.table[0].row.push_back({batch.prior, what, size, double(batch.threads),
                                   Spread{1e3 * seconds.low, 1e3 * seconds.middle, 1e3 * seconds.high}, units});
 }

@@ -149,7 +149,7 @@ void fit_exponents(Study& study, int samples) {
         std::string name = series.name;
         std::replace(name.begin(), name.end(), ' ', '_');
         name.erase(std::remove(name.begin(), name.end(), ','), name.end());
-        add_metric(study, name + "/exponent", exponent, "exponent", samples, 0.3);
+        add_metric(study, name + "/exponent", exponent, "exponent", samples);
         fits.row.push_back({series.name, exponent});
     }
     study.table.insert(study.table.begin(), fits);

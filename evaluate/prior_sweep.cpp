@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <set>
 
 #include "cloth/error.h"
 
@@ -16,6 +17,16 @@ std::string SweptPrior::name() const {
     return fmt::format("{}@{:.0e}", method.name(), tolerance);
 }
 
+namespace {
+
+std::string names(const std::set<std::string>& all) {
+    std::string text;
+    for (const std::string& one : all) text += (text.empty() ? "" : " and ") + one;
+    return text.empty() ? "no method" : text;
+}
+
+}  // namespace
+
 std::vector<SweptReferences> make_references(const RuntimeSamples& samples, Study& study) {
     std::vector<SweptReferences> all;
     const std::vector<PriorMethod> methods = prior_methods();
@@ -25,10 +36,12 @@ std::vector<SweptReferences> make_references(const RuntimeSamples& samples, Stud
         one.prior = first->prior;
         one.reference = certified_references({first, last}, samples.rest, samples.predicted);
         double worst = 0.0;
+        std::set<std::string> by;
         for (int s = 0; s < samples.count(); ++s) {
             const Reference& reference = one.reference[s];
             if (reference.certified) {
                 one.certified.push_back(s);
+                by.insert(reference.method);
                 worst = std::max(worst, reference.residual);
                 continue;
             }
@@ -40,8 +53,8 @@ std::vector<SweptReferences> make_references(const RuntimeSamples& samples, Stud
         }
         study.text.push_back(fmt::format(
             "Reference of {}: solved to {:.0e} and certified by computing the contract's residual again; {} of {} "
-            "samples, largest residual {:.1e}.",
-            one.prior, reference_tolerance, one.certified.size(), samples.count(), worst));
+            "samples, largest residual {:.1e}, by {}.",
+            one.prior, reference_tolerance, one.certified.size(), samples.count(), worst, names(by)));
         first = last;
     }
     return all;

@@ -135,14 +135,17 @@ void write_runtime_results(const RuntimeSummary& summary, const RuntimeOptions& 
                            const std::vector<MachineFact>& machine) {
     files::MetricFile file;
     file.kind = "runtime";
-    file.about = {{"dataset", options.dataset},
-                  {"command", options.command},
-                  {"config_hash", samples.header.config_hash},
-                  {"samples", std::to_string(samples.count())},
-                  {"vertices", std::to_string(samples.vertex_count())},
-                  {"predictions", samples.predictions},
-                  {"seed", std::to_string(options.predictions.seed)},
-                  {"quick", options.quick ? "yes" : "no"}};
+    file.about = {
+        {"dataset", options.dataset},
+        {"command", options.command},
+        {"config_hash", samples.header.config_hash},
+        {"samples", std::to_string(samples.count())},
+        {"vertices", std::to_string(samples.vertex_count())},
+        {"predictions", samples.predictions},
+        {"seed", std::to_string(options.predictions.seed)},
+        {"quick", options.quick ? "yes" : "no"},
+        {"intervals",
+         "of seconds and errors the quartiles over the samples, of ratios the smallest and the largest round"}};
     for (const MachineFact& fact : machine) file.about.push_back({fact.name, fact.value});
     for (const Study& study : summary.study)
         file.metric.insert(file.metric.end(), study.metric.begin(), study.metric.end());

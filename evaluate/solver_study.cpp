@@ -167,7 +167,7 @@ void add_result(Study& study, const SweptSolver& solver, const DrapedScene& drap
         solver.setting.series.substr(0, solver.setting.series.find(',')) + "/" + solver.setting.name;
     const double share = 100.0 * accepted / count;
     add_time_metrics(study, name, timings, task, count);
-    add_metric(study, name + "/rms", quartiles(rms), "mm", count, 0.5);
+    add_metric(study, name + "/rms", quartiles(rms), "mm", count);
     add_metric(study, name + "/accepted", {share, share, share}, "%", count);
     const Spread seconds = timings.seconds(task);
     std::vector<StudySeries>& series = study.curves[0].series;

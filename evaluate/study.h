@@ -55,7 +55,8 @@ struct Study {
     std::vector<files::Metric> metric;
 };
 
-/// Adds what every timed thing has: `<name>/time_ratio` in units of the same run, which is gated, and
+/// Adds what every timed thing has: `<name>/time_ratio` in units of the same run, which is gated (unless it is too
+/// short), and
 /// `<name>/seconds`, which is not. Intervals: smallest and largest round, and quartiles of the samples.
 void add_time_metrics(Study& study, const std::string& name, const Timings& timings, int task, int samples);
 /// An error or another figure of the samples; `tolerance` 0: told, not gated.
