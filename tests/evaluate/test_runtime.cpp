@@ -131,8 +131,11 @@ TEST_F(Runtime, LeavesRuntimeJsonThatTheReportReads) {
          {"runtime/priors/inextensibility/interior_point@1e-06/time_ratio", "runtime/priors/quasistatic/fast@1e-06/rms",
           "runtime/priors/position_projection@sweeps=512/overstretch", "runtime/image/32px/rms"})
         EXPECT_TRUE(name.count(one)) << one;
-    for (const files::Metric& one : file.metric)
-        if (one.unit == "s") EXPECT_EQ(one.direction, files::MetricDirection::none) << one.name;
+    for (const files::Metric& one : file.metric) {
+        if (one.unit == "s") {
+            EXPECT_EQ(one.direction, files::MetricDirection::none) << one.name;
+        }
+    }
     std::set<std::string> about;
     for (const files::MetricFile::Line& line : file.about) about.insert(line.name);
     for (const char* one : {"dataset", "processor", "cores", "load_at_start"}) EXPECT_TRUE(about.count(one)) << one;
