@@ -58,7 +58,7 @@ std::vector<int> thread_counts(const BatchSweep& sweep) {
 std::vector<std::unique_ptr<Batch>> make_batches(const RuntimeSamples& samples, const BatchSweep& sweep) {
     std::vector<std::unique_ptr<Batch>> batches;
     std::string last;
-    for (const PriorMethod& method : prior_methods()) {
+    for (const SolutionMethod& method : solution_methods()) {
         if (method.prior == last) continue;  // its default method was the first
         last = method.prior;
         for (const int threads : thread_counts(sweep)) {

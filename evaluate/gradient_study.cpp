@@ -31,7 +31,7 @@ double relative_distance(const std::vector<double>& a, const std::vector<double>
 using ReferenceGradients = std::vector<std::vector<double>>;
 
 ReferenceGradients reference_gradients(const RuntimeSamples& samples, const SweptReferences& references,
-                                       const PriorMethod& method, Study& study) {
+                                       const SolutionMethod& method, Study& study) {
     const std::unique_ptr<StudiedPrior> prior = method.make(samples.rest, reference_tolerance, 1);
     ReferenceGradients gradient(samples.count());
     int kinks = 0;
@@ -124,7 +124,7 @@ Study study_gradients(const RuntimeSamples& samples, const PriorSweep& sweep, co
     study.title = "Gradients: error against run time";
     const std::vector<SweptReferences> references = make_references(samples, study);
     std::map<std::string, ReferenceGradients> gradient;
-    for (const PriorMethod& method : prior_methods())
+    for (const SolutionMethod& method : solution_methods())
         if (!gradient.count(method.prior))
             gradient[method.prior] = reference_gradients(samples, of_prior(references, method.prior), method, study);
 
@@ -145,7 +145,7 @@ Study study_gradients(const RuntimeSamples& samples, const PriorSweep& sweep, co
     prepare_results(study);
     std::map<std::string, std::unique_ptr<MinimumCheck>> check;
     for (size_t k = 0; k < swept.size(); ++k) {
-        const PriorMethod& method = swept[k]->method;
+        const SolutionMethod& method = swept[k]->method;
         auto& of_method = check[method.name()];
         if (!of_method) of_method = std::make_unique<MinimumCheck>(method, samples.rest);
         add_result(

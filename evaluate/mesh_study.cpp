@@ -67,7 +67,7 @@ void drape_and_predict(SizedGarment& garment, const RuntimeSamples& samples, int
 void add_priors(SizedGarment& garment, int poses) {
     const prior::RestState rest = prior::rest_state(garment.scene.garment.mesh);
     garment.unit = std::make_shared<FactorisationUnit>(rest.edge, garment.neutral);
-    for (const PriorMethod& method : prior_methods()) {
+    for (const SolutionMethod& method : solution_methods()) {
         if (!garment.prior.empty() && garment.prior.back()->name == method.prior) continue;
         auto one = std::make_unique<SizedPrior>();
         one->name = method.prior;

@@ -29,7 +29,7 @@ std::string names(const std::set<std::string>& all) {
 
 std::vector<SweptReferences> make_references(const RuntimeSamples& samples, Study& study) {
     std::vector<SweptReferences> all;
-    const std::vector<PriorMethod> methods = prior_methods();
+    const std::vector<SolutionMethod> methods = solution_methods();
     for (auto first = methods.begin(); first != methods.end();) {
         const auto last = std::find_if(first, methods.end(), [&](const auto& m) { return m.prior != first->prior; });
         SweptReferences& one = all.emplace_back();
@@ -68,7 +68,7 @@ const SweptReferences& of_prior(const std::vector<SweptReferences>& all, const s
 
 std::vector<std::unique_ptr<SweptPrior>> make_swept_priors(const RuntimeSamples& samples, const PriorSweep& sweep) {
     std::vector<std::unique_ptr<SweptPrior>> swept;
-    for (const PriorMethod& method : prior_methods())
+    for (const SolutionMethod& method : solution_methods())
         for (const double tolerance : sweep.tolerance) {
             auto one = std::make_unique<SweptPrior>();
             one->method = method;

@@ -10,7 +10,7 @@ namespace toile::evaluate {
 
 /// A method at a tolerance, and what it made of each sample in its last round.
 struct SweptPrior {
-    PriorMethod method;
+    SolutionMethod method;
     double tolerance = 0;
     std::unique_ptr<StudiedPrior> prior;
     std::vector<StudiedPrior::Solved> solved;      ///< `[N]`

@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
-#include <random>
 
 #include "cloth/error.h"
 #include "evaluate/noise_source.h"
+#include "evaluate/stress_predictions.h"
 #include "files/predictions_file.h"
 
 namespace toile::evaluate {
@@ -37,31 +36,12 @@ std::vector<double> flat(const Positions& position) {
     return {position.data(), position.data() + position.size()};
 }
 
-/// Waves through space, root mean square 1 over the vertices.
-Positions smooth_error(const Positions& rest, std::mt19937_64& random) {
-    const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
-    std::normal_distribution<double> normal;
-    std::uniform_real_distribution<double> unit(0.0, 1.0);
-    Positions error = Positions::Zero(rest.rows(), 3);
-    for (int wave = 0; wave < 12; ++wave) {
-        const Eigen::RowVector3d along =
-            Eigen::RowVector3d(normal(random), normal(random), normal(random)).normalized();
-        const Eigen::RowVector3d direction(normal(random), normal(random), normal(random));
-        const double length = size * 0.25 * std::pow(8.0, unit(random)), phase = 2.0 * std::numbers::pi * unit(random);
-        for (Eigen::Index v = 0; v < rest.rows(); ++v)
-            error.row(v) += std::sin(2.0 * std::numbers::pi * along.dot(rest.row(v)) / length + phase) * direction;
-    }
-    return error / std::sqrt(error.squaredNorm() / static_cast<double>(rest.rows()));
-}
-
 }  // namespace
 
 Positions noisy_cloth(const Positions& cloth, const Positions& rest, double rms, double roughness, std::uint64_t seed) {
-    std::mt19937_64 random(seed);
-    std::normal_distribution<double> normal;
-    const Positions smooth = smooth_error(rest, random);
-    Positions white(cloth.rows(), 3);
-    for (Eigen::Index k = 0; k < white.size(); ++k) white.data()[k] = normal(random) / std::sqrt(3.0);
+    Random random(seed);
+    const Positions smooth = smooth_field(rest, random);
+    const Positions white = white_field(static_cast<int>(cloth.rows()), random);
     return cloth + rms * (std::sqrt(8.0) / 3.0 * smooth + roughness / 3.0 * white);
 }
 

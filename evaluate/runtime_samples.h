@@ -34,9 +34,9 @@ struct RuntimeSamples {
 /// its prediction. Throws Error for a data set without accepted samples, and for what is wrong with the predictions.
 RuntimeSamples read_runtime_samples(const std::string& dataset, int count, const RuntimePredictions& predictions);
 
-/// A cloth `[V x 3]` off by `rms` [m] (root mean square over its vertices): two thirds of the error are waves of a
-/// quarter of the cloth to twice its size, one third is white noise scaled by `roughness`. `rest` `[V x 3]` is where
-/// the waves live: the same error on a finer mesh is the same error.
+/// A cloth `[V x 3]` off by `rms` [m] (root mean square over its vertices): eight ninths of its square are waves of a
+/// quarter of the cloth to twice its size, a ninth is white noise, its size scaled by `roughness`. `rest` `[V x 3]` is
+/// where the waves live: the same error on a finer mesh is the same error.
 Positions noisy_cloth(const Positions& cloth, const Positions& rest, double rms, double roughness, std::uint64_t seed);
 
 }  // namespace toile::evaluate

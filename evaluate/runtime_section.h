@@ -7,8 +7,8 @@
 
 namespace toile::evaluate {
 
-/// The report's section on error against run time, from `folder`/runtime.json; nothing where there is none. Throws
-/// Error where it cannot be read or is of another version.
+/// The report's section on error against run time, from `folder`/runtime.json; nothing where there is none or it holds
+/// metrics alone. Throws Error where it cannot be read or is of another version.
 std::optional<ReportSection> runtime_section(const std::string& folder);
 
 }  // namespace toile::evaluate

@@ -71,7 +71,7 @@ class StudiedQuasistatic final : public StudiedPrior {
     prior::QuasistaticGradient gradient_;
 };
 
-PriorMethod inextensibility(const std::string& name, prior::InextensibilityOptions::Method method) {
+SolutionMethod inextensibility(const std::string& name, prior::InextensibilityOptions::Method method) {
     return {"inextensibility", name, true, [method](const prior::RestState& rest, double tolerance, int threads) {
                 prior::InextensibilityOptions options;
                 options.method = method;
@@ -80,7 +80,7 @@ PriorMethod inextensibility(const std::string& name, prior::InextensibilityOptio
             }};
 }
 
-PriorMethod quasistatic(const std::string& name, prior::QuasistaticOptions::Method method) {
+SolutionMethod quasistatic(const std::string& name, prior::QuasistaticOptions::Method method) {
     return {"quasistatic", name, false, [method](const prior::RestState& rest, double tolerance, int threads) {
                 prior::QuasistaticOptions options;
                 options.method = method;
@@ -91,17 +91,17 @@ PriorMethod quasistatic(const std::string& name, prior::QuasistaticOptions::Meth
 
 }  // namespace
 
-std::vector<PriorMethod> prior_methods() {
+std::vector<SolutionMethod> solution_methods() {
     return {inextensibility("interior_point", prior::InextensibilityOptions::Method::interior_point),
             inextensibility("cone", prior::InextensibilityOptions::Method::cone),
             quasistatic("fast", prior::QuasistaticOptions::Method::fast),
             quasistatic("newton_cg", prior::QuasistaticOptions::Method::newton_cg)};
 }
 
-std::vector<Reference> certified_references(const std::vector<PriorMethod>& methods, const prior::RestState& rest,
+std::vector<Reference> certified_references(const std::vector<SolutionMethod>& methods, const prior::RestState& rest,
                                             const std::vector<std::vector<double>>& predicted) {
     std::vector<Reference> reference(predicted.size());
-    for (const PriorMethod& method : methods) {
+    for (const SolutionMethod& method : methods) {
         const auto done = [](const Reference& one) { return one.certified; };
         if (std::all_of(reference.begin(), reference.end(), done)) break;
         const std::unique_ptr<StudiedPrior> prior = method.make(rest, reference_tolerance, 1);
@@ -119,7 +119,7 @@ std::vector<Reference> certified_references(const std::vector<PriorMethod>& meth
     return reference;
 }
 
-MinimumCheck::MinimumCheck(const PriorMethod& method, const prior::RestState& rest)
+MinimumCheck::MinimumCheck(const SolutionMethod& method, const prior::RestState& rest)
     : needed_(!method.one_solution), least_distance_(1e-3 * rest.edge_rest_length.mean()) {
     if (needed_) prior_ = method.make(rest, reference_tolerance, 1);
 }

@@ -37,7 +37,7 @@ class StudiedPrior {
 };
 
 /// A way to compute a prior.
-struct PriorMethod {
+struct SolutionMethod {
     std::string prior;         ///< "inextensibility", "quasistatic"
     std::string method;        ///< "interior_point", "cone", "fast", "newton_cg"
     bool one_solution = true;  ///< false: not convex, a method may come to rest in another minimum
@@ -47,7 +47,7 @@ struct PriorMethod {
 };
 /// Every method in prior/, those of one prior one after the other, the default method first. No stretch allowed;
 /// default fabric and μ.
-std::vector<PriorMethod> prior_methods();
+std::vector<SolutionMethod> solution_methods();
 
 /// What tells one prior from the other.
 inline constexpr double reference_tolerance = 1e-10;
@@ -61,14 +61,14 @@ struct Reference {
 };
 /// Solves each sample to `reference_tolerance` with the first of `methods` that gets there. `predicted` `[N]` of
 /// `[V x 3]`.
-std::vector<Reference> certified_references(const std::vector<PriorMethod>& methods, const prior::RestState& rest,
+std::vector<Reference> certified_references(const std::vector<SolutionMethod>& methods, const prior::RestState& rest,
                                             const std::vector<std::vector<double>>& predicted);
 
 /// Where a solution that stopped early was going: solved on to `reference_tolerance`, it is further than a thousandth
 /// of the mean edge from the reference, and so in another minimum of the energy. False for what cannot be solved on.
 class MinimumCheck {
   public:
-    MinimumCheck(const PriorMethod& method, const prior::RestState& rest);
+    MinimumCheck(const SolutionMethod& method, const prior::RestState& rest);
     bool other_minimum(std::span<const double> predicted, const StudiedPrior::Solved& solved,
                        const Reference& reference);
 

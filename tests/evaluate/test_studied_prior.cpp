@@ -33,7 +33,7 @@ class Claimant final : public StudiedPrior {
     double residual_, drift_;
 };
 
-PriorMethod claimant(const std::string& name, double residual, double drift = 0.0, bool one_solution = true) {
+SolutionMethod claimant(const std::string& name, double residual, double drift = 0.0, bool one_solution = true) {
     return {"prior", name, one_solution,
             [=](const prior::RestState&, double, int) { return std::make_unique<Claimant>(residual, drift); }};
 }
@@ -61,10 +61,10 @@ TEST(CertifiedReferences, AreReachedByEveryPriorOnASmallMesh) {
         {problem.predicted.begin(), problem.predicted.begin() + static_cast<std::ptrdiff_t>(half)},
         {problem.predicted.begin() + static_cast<std::ptrdiff_t>(half), problem.predicted.end()}};
     const prior::RestState rest = small_rest(problem);
-    const std::vector<PriorMethod> methods = prior_methods();
+    const std::vector<SolutionMethod> methods = solution_methods();
     ASSERT_EQ(methods.size(), 4u);
     std::vector<std::vector<Reference>> all;
-    for (const PriorMethod& method : methods) {
+    for (const SolutionMethod& method : methods) {
         all.push_back(certified_references({method}, rest, predicted));
         for (const Reference& one : all.back()) EXPECT_TRUE(one.certified) << method.name() << " " << one.residual;
     }
