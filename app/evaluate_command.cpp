@@ -105,6 +105,7 @@ void add_evaluate_command(CLI::App& program, Work& chosen) {
         "toile evaluate NAME --help explains each.");
     add_noise(*command, chosen);
     add_stability(*command, chosen);
+    add_evaluate_strain(*command, chosen);
 }
 
 }  // namespace toile::app
