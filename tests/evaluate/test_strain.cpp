@@ -102,9 +102,13 @@ TEST_F(Strain, MeasuresAPair) {
     EXPECT_FALSE(file.has("/triangle/velocity_gradient"));
     const files::MetricFile metrics = files::read_metric_file(path("out/strain.json"), "strain");
     for (const files::Metric& metric : metrics.metric) {
-        if (metric.name == "strain/triangle/stretch_1") EXPECT_NEAR(metric.distribution->largest, 1.2, 1e-9);
-        if (metric.name == "strain/triangle/compression") EXPECT_NEAR(metric.value, 0.1, 1e-9);
-        if (metric.unit == "count") EXPECT_EQ(metric.value, 0) << metric.name;
+        if (metric.name == "strain/triangle/stretch_1") {
+            EXPECT_NEAR(metric.distribution->largest, 1.2, 1e-9);
+        } else if (metric.name == "strain/triangle/compression") {
+            EXPECT_NEAR(metric.value, 0.1, 1e-9);
+        } else if (metric.unit == "count") {
+            EXPECT_EQ(metric.value, 0) << metric.name;
+        }
     }
 }
 
