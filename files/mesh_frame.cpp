@@ -24,12 +24,9 @@ struct Soup {
     std::vector<CGAL::IO::Color> face_color, vertex_color;  // CGAL reads them along
 };
 
-Soup read_soup(const std::string& path) {
-    Soup soup;
+bool read_soup(const std::string& path, Soup& soup) {
     std::ifstream file(path, std::ios::binary);
-    if (!CGAL::IO::read_PLY(file, soup.point, soup.polygon, soup.face_color, soup.vertex_color))
-        throw Error("cannot read a mesh from the file: it ends too early, or is damaged", path);
-    return soup;
+    return CGAL::IO::read_PLY(file, soup.point, soup.polygon, soup.face_color, soup.vertex_color);
 }
 
 MeshFrame frame_of(const Soup& soup, const std::string& path) {
@@ -57,14 +54,14 @@ MeshFrame read_ply(const std::string& path) {
     check_ply_header(path);
     // CGAL trusts the counts of a file.
     const auto megabytes = static_cast<int>(std::min<std::uintmax_t>(std::filesystem::file_size(path) >> 20, 10'000));
-    trial_run(path, 5 + 2 * megabytes, [&]() -> std::string {
-        try {
-            read_soup(path);
-        } catch (const std::exception&) {  // told below, where there is no need for a process
-        }
-        return {};
+    const std::string complaint = trial_run(path, 5 + 2 * megabytes, [&]() -> std::string {
+        Soup soup;
+        return read_soup(path, soup) ? "" : "unreadable";
     });
-    return frame_of(read_soup(path), path);
+    Soup soup;
+    if (!complaint.empty() || !read_soup(path, soup))
+        throw Error("cannot read a mesh from the file: it ends too early, or is damaged", path);
+    return frame_of(soup, path);
 }
 
 }  // namespace
