@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "app/command_line.h"
-#include "app/commands.h"
+#include "app/evaluate_commands.h"
 #include "app/flags.h"
 #include "app/guard.h"
 #include "app/interrupt.h"
