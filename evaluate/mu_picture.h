@@ -1,0 +1,23 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "cloth/cloth_mesh.h"
+#include "evaluate/report_document.h"
+#include "files/image_file.h"
+
+namespace toile::evaluate {
+
+/// μ over the garment (paper, Figure 10): the panels of the flat pattern side by side, purple where μ is low, yellow
+/// where it is high, on a logarithmic scale with a bar below. A mesh without pattern is drawn from the front and from
+/// the back. `mu`: `[V]`, positive. Throws Error where it does not fit the mesh.
+files::Picture mu_picture(const ClothMesh& mesh, const Eigen::VectorXd& mu);
+
+/// What the picture shows, in words: its range and its quartiles.
+std::string mu_alt_text(const Eigen::VectorXd& mu);
+
+/// The same as a block of a report.
+ReportPicture mu_block(const ClothMesh& mesh, const Eigen::VectorXd& mu, const std::string& id);
+
+}  // namespace toile::evaluate
