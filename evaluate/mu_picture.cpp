@@ -10,6 +10,8 @@
 #include "cloth/error.h"
 #include "cloth/topology.h"
 #include "files/binary_text.h"
+#include "files/hdf5_file.h"
+#include "files/mesh_group.h"
 #include "generate/rendering.h"
 
 namespace toile::evaluate {
@@ -197,6 +199,14 @@ std::string mu_alt_text(const Eigen::VectorXd& mu) {
 ReportPicture mu_block(const ClothMesh& mesh, const Eigen::VectorXd& mu, const std::string& id) {
     return {id, "\u03bc over the garment", mu_alt_text(mu),
             "data:image/png;base64," + files::base64(files::png_bytes(mu_picture(mesh, mu)))};
+}
+
+std::optional<ReportPicture> learned_mu_block(const std::string& accuracy_file) {
+    const files::Hdf5File file = files::Hdf5File::open(accuracy_file);
+    if (!file.has("/mu/vertex")) return std::nullopt;
+    const ClothMesh mesh = files::read_mesh_group(file);
+    const std::vector<double> mu = file.read<double>("/mu/vertex", {mesh.vertex_count()}).value;
+    return mu_block(mesh, Eigen::Map<const Eigen::VectorXd>(mu.data(), mesh.vertex_count()), "accuracy-mu");
 }
 
 }  // namespace toile::evaluate

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 
 #include "cloth/cloth_mesh.h"
@@ -19,5 +20,9 @@ std::string mu_alt_text(const Eigen::VectorXd& mu);
 
 /// The same as a block of a report.
 ReportPicture mu_block(const ClothMesh& mesh, const Eigen::VectorXd& mu, const std::string& id);
+
+/// The block of what an accuracy evaluation learned (`/mu/vertex` of its accuracy.h5); nothing where it learned no μ
+/// per vertex. Throws Error where the file cannot be read.
+std::optional<ReportPicture> learned_mu_block(const std::string& accuracy_file);
 
 }  // namespace toile::evaluate

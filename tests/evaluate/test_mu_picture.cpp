@@ -1,12 +1,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "cloth/error.h"
 #include "evaluate/mu_picture.h"
+#include "files/hdf5_file.h"
+#include "files/mesh_group.h"
 #include "tests/prior/quasistatic_cases.h"
 
 namespace toile::evaluate {
@@ -91,6 +95,28 @@ TEST(MuPicture, BecomesABlockWithAnAltText) {
     EXPECT_THAT(block.src, StartsWith("data:image/png;base64,iVBOR"));
     EXPECT_THAT(block.alt, HasSubstr("from 0.1 (purple) to 1.6 (yellow), median 0.8"));
     EXPECT_NO_THROW(as_json(ReportSection{"accuracy", "Accuracy", {}, {block}}));
+}
+
+TEST(MuPicture, IsMadeOfWhatWasLearned) {
+    const std::string path =
+        (std::filesystem::temp_directory_path() / ("toile_mu_" + std::to_string(getpid()) + ".h5")).string();
+    const ClothMesh mesh = prior::test::sheet(4, 4);
+    const auto write = [&](int values) {
+        files::Hdf5File file = files::Hdf5File::create(path);
+        files::write_mesh_group(file, mesh, 0);
+        if (values > 0) file.write("/mu/vertex", std::vector<double>(static_cast<size_t>(values), 0.2), {values});
+        file.close();
+    };
+    write(16);
+    const std::optional<ReportPicture> block = learned_mu_block(path);
+    ASSERT_TRUE(block);
+    EXPECT_THAT(block->alt, HasSubstr("median 0.2"));
+    write(0);
+    EXPECT_FALSE(learned_mu_block(path)) << "only a global mu was learned";
+    write(15);
+    EXPECT_THROW(learned_mu_block(path), Error);
+    std::filesystem::remove(path);
+    EXPECT_THROW(learned_mu_block(path), Error);
 }
 
 TEST(MuPicture, RefusesWhatDoesNotFit) {
