@@ -17,6 +17,7 @@ void add_skin_command(CLI::App& program, Work& chosen);
 void add_simulate_command(CLI::App& program, Work& chosen);
 void add_project_command(CLI::App& program, Work& chosen);
 void add_evaluate_command(CLI::App& program, Work& chosen);
+void add_report_command(CLI::App& program, Work& chosen);
 void add_validate_command(CLI::App& program, Work& chosen);
 void add_export_command(CLI::App& program, Work& chosen);
 void add_config_command(CLI::App& program, Work& chosen);

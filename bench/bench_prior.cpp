@@ -26,7 +26,7 @@ struct Flags {
 
     bool table = false;
     std::string filter = "all";
-    BaselineFiles baseline;
+    BaselineFiles baseline{{}, {}, "bench_prior"};
     int repetitions = 5;
 
     bool speed() const { return table || !baseline.gate.empty() || !baseline.written.empty(); }
