@@ -18,6 +18,7 @@ void add_simulate_command(CLI::App& program, Work& chosen);
 void add_predict_command(CLI::App& program, Work& chosen);
 void add_project_command(CLI::App& program, Work& chosen);
 void add_evaluate_command(CLI::App& program, Work& chosen);
+void add_report_command(CLI::App& program, Work& chosen);
 void add_validate_command(CLI::App& program, Work& chosen);
 void add_export_command(CLI::App& program, Work& chosen);
 void add_config_command(CLI::App& program, Work& chosen);

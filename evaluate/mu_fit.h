@@ -28,8 +28,8 @@ struct MuFitOptions {
     int samples = 64;               ///< of the train split at most, drawn by `seed`; all of them are kept in memory
     int validation_samples = 32;    ///< of the validation split at most
     /// Weights of the smoothness term that are tried, the stiffest first (see `MuVertexFit`).
-    std::vector<double> smoothness{0.1, 0.01, 1e-3, 1e-4};
-    int iterations = 12;      ///< of L-BFGS for each weight
+    std::vector<double> smoothness{0.1, 0.01, 1e-3, 1e-4, 1e-5};
+    int iterations = 20;      ///< of L-BFGS for each weight
     double tolerance = 1e-6;  ///< of the prior's residual
     std::uint64_t seed = 0;
     int jobs = 1;  ///< threads; the result does not depend on it

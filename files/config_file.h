@@ -63,7 +63,11 @@ class ConfigTable {
     /// Two numbers, the lower first: `[lower, upper]`.
     void interval(std::string_view key, double& lower, double& upper, const ConfigField& field);
     void integers(std::string_view key, std::vector<int>& value, const ConfigField& field);
+    void reals(std::string_view key, std::vector<double>& value, const ConfigField& field);
     void texts(std::string_view key, std::vector<std::string>& value, std::string_view doc);
+    /// Some of these words, none or all of them.
+    void choices(std::string_view key, std::vector<std::string>& value, const std::vector<std::string>& allowed,
+                 std::string_view doc);
 
     template <class Value>
     void choice(std::string_view key, Value& value, const ConfigChoices<Value>& allowed, std::string_view doc) {
@@ -88,6 +92,7 @@ class ConfigTable {
     [[noreturn]] void fail(std::string_view key, const std::string& what, const std::string& mend = {}) const;
 
   private:
+    void texts_of(std::string_view key, std::vector<std::string>& value);
     size_t choose(std::string_view key, const std::string& value, const std::vector<std::string>& allowed,
                   std::string_view doc);
     void record(std::string_view key, std::string value, std::string about, std::string_view doc);

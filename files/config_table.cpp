@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -240,15 +241,45 @@ void ConfigTable::integers(std::string_view key, std::vector<int>& value, const 
     record(key, array_text(value, [](int one) { return std::to_string(one); }), with_unit(field), field.doc);
 }
 
-void ConfigTable::texts(std::string_view key, std::vector<std::string>& value, std::string_view doc) {
+void ConfigTable::reals(std::string_view key, std::vector<double>& value, const ConfigField& field) {
     if (const toml::node* node = take(*document_, path_, key)) {
         const toml::array* array = node->as_array();
-        std::vector<std::string> given;
+        std::vector<double> given;
         for (size_t i = 0; array && i < array->size(); ++i)
-            if (const auto* one = array->get(i)->as_string()) given.push_back(one->get());
-        if (!array || given.size() != array->size()) fail(key, "is " + show(*node) + ", allowed is a list of texts");
+            if (const std::optional<double> one = as_real(*array->get(i)); one && inside(*one, field))
+                given.push_back(*one);
+        if (!array || given.size() != array->size())
+            fail(key, "is " + show(*node) + ", allowed is " + expected("a list of numbers", field));
         value = given;
     }
+    record(key, array_text(value, number_text), with_unit(field), field.doc);
+}
+
+void ConfigTable::choices(std::string_view key, std::vector<std::string>& value,
+                          const std::vector<std::string>& allowed, std::string_view doc) {
+    const std::string words = list_text(allowed, ", ");
+    std::vector<std::string> given = value;
+    texts_of(key, given);
+    for (const std::string& one : given)
+        if (std::find(allowed.begin(), allowed.end(), one) == allowed.end())
+            fail(key, "has " + quote(one) + ", allowed are some of: " + words);
+    value = given;
+    record(key, array_text(value, [](const std::string& one) { return quote(one); }), "some of: " + words, doc);
+}
+
+void ConfigTable::texts_of(std::string_view key, std::vector<std::string>& value) {
+    const toml::node* node = take(*document_, path_, key);
+    if (!node) return;
+    const toml::array* array = node->as_array();
+    std::vector<std::string> given;
+    for (size_t i = 0; array && i < array->size(); ++i)
+        if (const auto* one = array->get(i)->as_string()) given.push_back(one->get());
+    if (!array || given.size() != array->size()) fail(key, "is " + show(*node) + ", allowed is a list of texts");
+    value = given;
+}
+
+void ConfigTable::texts(std::string_view key, std::vector<std::string>& value, std::string_view doc) {
+    texts_of(key, value);
     record(key, array_text(value, [](const std::string& one) { return quote(one); }), {}, doc);
 }
 

@@ -164,6 +164,11 @@ Json read_document(const std::string& path) {
     }
 }
 
+/// File names may be no UTF-8: what is not becomes a question mark in a diamond.
+std::string text_of(const Json& document) {
+    return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 }  // namespace
 
 const char* direction_name(MetricDirection direction) {
@@ -190,8 +195,11 @@ void write_metric_file(const std::string& path, const MetricFile& file, const Js
         if (document.contains(item.key())) throw Error("a member of every kind's: " + item.key(), path);
         document[item.key()] = item.value();
     }
-    // file names may be no UTF-8
-    write_text_file(path, document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    write_text_file(path, text_of(document));
+}
+
+std::string metric_text(const MetricFile& file) {
+    return text_of(metric_document(file));
 }
 
 MetricFile as_metric_file(const Json& document, const std::string& path, const std::string& kind) {

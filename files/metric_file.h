@@ -50,6 +50,9 @@ nlohmann::ordered_json metric_document(const MetricFile& file);
 void write_metric_file(const std::string& path, const MetricFile& file);
 void write_metric_file(const std::string& path, const MetricFile& file, const nlohmann::ordered_json& own);
 
+/// The text of such a file.
+std::string metric_text(const MetricFile& file);
+
 /// Reads what the former wrote; members of the kind's own are passed over. Throws Error, naming file and key, for a
 /// file that is missing, damaged, of another kind (an empty `kind` takes any) or of another version.
 MetricFile read_metric_file(const std::string& path, const std::string& kind = {});

@@ -13,15 +13,6 @@ constexpr int gap = 12;     // between tiles
 constexpr int header = 48;  // above the tiles
 constexpr int label_width = 84;
 
-/// Cool to warm through grey, for values from -1 to 1 (after Moreland 2009).
-Color diverging(double value) {
-    const Color cool{0.23, 0.30, 0.75}, grey{0.87, 0.87, 0.87}, warm{0.71, 0.02, 0.15};
-    const double share = std::min(std::abs(value), 1.0);
-    Color color;
-    for (int c = 0; c < 3; ++c) color[c] = grey[c] + share * ((value < 0 ? cool[c] : warm[c]) - grey[c]);
-    return color;
-}
-
 /// The part of a layer that the pattern covers, in pixels.
 struct Crop {
     int column = 0, row = 0, width = 0, height = 0;

@@ -21,6 +21,14 @@ void set_pixel(files::Picture& picture, int x, int y, const Color& color) {
 
 }  // namespace
 
+Color diverging(double value) {
+    const Color cool{0.23, 0.30, 0.75}, grey{0.87, 0.87, 0.87}, warm{0.71, 0.02, 0.15};
+    const double share = std::min(std::abs(value), 1.0);
+    Color color;
+    for (int c = 0; c < 3; ++c) color[c] = grey[c] + share * ((value < 0 ? cool[c] : warm[c]) - grey[c]);
+    return color;
+}
+
 files::Picture blank_picture(int width, int height) {
     files::Picture picture;
     picture.channels = 3;

@@ -11,6 +11,9 @@ namespace toile::generate {
 using Color = std::array<double, 3>;
 inline constexpr Color ink{0.15, 0.15, 0.17};
 
+/// Cool to warm through grey, for values from -1 to 1 (after Moreland 2009).
+Color diverging(double value);
+
 /// A white picture of three channels.
 files::Picture blank_picture(int width, int height);
 

@@ -12,7 +12,7 @@ namespace {
 
 /// Tables that need another one: said at the place of the table that is there.
 void check_needs(const ConfigTable& root, const SceneConfig& config) {
-    for (const char* name : {"poses", "image", "level_set", "path", "split", "output"})
+    for (const char* name : {"poses", "image", "level_set", "path", "split", "output", "predict", "evaluate"})
         if (root.has(name) && !config.body)
             throw Error(std::string("[") + name + "] needs [body], which this scene does not have", root.where(name));
     for (const char* name : {"body", "table", "sphere"})
@@ -27,6 +27,13 @@ void check_needs(const ConfigTable& root, const SceneConfig& config) {
                     root.where("garment"), "use \"patch\" or \"file\", or add [body]");
 }
 
+void left_out_of_evaluation(const EvaluateConfig& evaluate, std::vector<std::string>& line) {
+    if (!evaluate.noise) line.push_back("no [evaluate.noise]: figures stand without the simulator's noise");
+    if (!evaluate.runtime) line.push_back("no [evaluate.runtime]: no error against run time");
+    if (!evaluate.stability) line.push_back("no [evaluate.stability]: no stiff and extreme cases");
+    if (!evaluate.strain) line.push_back("no [evaluate.strain]: no strain analysis");
+}
+
 SceneConfig scene_of(const ConfigFile& file, const std::string& source) {
     SceneConfig config;
     config.file = source;
@@ -39,11 +46,12 @@ SceneConfig scene_of(const ConfigFile& file, const std::string& source) {
     bind_garment(root, config);
     bind_simulate(root, config);
     bind_dataset(root, config);
+    config.text = file.resolved(ConfigFile::Paths::written);
+    config.hash = file.hash();
+    bind_evaluation(root, config);
+    config.absolute_text = file.resolved(ConfigFile::Paths::absolute);
     file.refuse_unknown_keys();
     check_needs(root, config);
-    config.text = file.resolved(ConfigFile::Paths::written);
-    config.absolute_text = file.resolved(ConfigFile::Paths::absolute);
-    config.hash = file.hash();
     return config;
 }
 
@@ -73,6 +81,7 @@ std::vector<std::string> left_out(const SceneConfig& config) {
     if (!config.sphere) line.push_back("no [sphere]: no sphere");
     if (!config.pins) line.push_back("no [pins]: no vertex is held");
     if (!config.image) line.push_back("no [image]: no rasteriser");
+    if (config.body && config.poses) left_out_of_evaluation(config.evaluate, line);
     return line;
 }
 

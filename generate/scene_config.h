@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "files/config_file.h"
+#include "generate/evaluation_config.h"
 #include "pattern/garment_file.h"
 #include "pattern/patch.h"
 #include "pattern/pattern_image.h"
@@ -91,11 +92,13 @@ struct SceneConfig {
     std::optional<pattern::ImageOptions> image;
     skin::SplitOptions split;
     OutputConfig output;
+    PredictConfig predict;
+    EvaluateConfig evaluate;
 
     std::string file;           ///< the configuration's own path
-    std::string text;           ///< resolved, as TOML, paths as written
-    std::string absolute_text;  ///< resolved, as TOML, paths absolute: works from any folder
-    std::string hash;           ///< of the resolved values and the files they name
+    std::string text;           ///< what the data depend on, resolved, as TOML, paths as written
+    std::string absolute_text;  ///< all of it, resolved, as TOML, paths absolute: works from any folder
+    std::string hash;           ///< of the resolved values that the data depend on and the files they name
 };
 
 /// Reads and checks a scene. Throws Error (see files::ConfigFile), also where tables do not go together: an image

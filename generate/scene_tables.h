@@ -15,5 +15,7 @@ void bind_garment(files::ConfigTable& root, SceneConfig& config);   ///< [garmen
 void bind_simulate(files::ConfigTable& root, SceneConfig& config);  ///< [material] to [ladder]
 void bind_gate(files::ConfigTable& root, SceneConfig& config);      ///< [gate], [ladder]
 void bind_dataset(files::ConfigTable& root, SceneConfig& config);   ///< [image], [split], [output]
+/// [predict], [evaluate] and what is below it: nothing in them changes the data.
+void bind_evaluation(files::ConfigTable& root, SceneConfig& config);
 
 }  // namespace toile::generate

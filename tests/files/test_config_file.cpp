@@ -32,6 +32,8 @@ struct Options {
     double lower = -1, upper = 1;
     std::vector<int> pinned;
     std::vector<std::string> words = {"a"};
+    std::vector<double> shares = {0.5};
+    std::vector<std::string> tools = {"needle"};
     bool has_image = false;
 };
 
@@ -52,6 +54,8 @@ Options bind(const ConfigFile& config) {
         body->interval("limits", o.lower, o.upper, {.lower = -3.2, .upper = 3.2, .unit = "rad"});
         body->integers("pinned", o.pinned, {.lower = 0});
         body->texts("words", o.words, "words");
+        body->reals("shares", o.shares, {.lower = 0, .upper = 1});
+        body->choices("tools", o.tools, {"needle", "thread", "shears"}, "of a tailor");
     }
     o.has_image = root.table("image", "the image").has_value();
     config.refuse_unknown_keys();
@@ -104,7 +108,7 @@ TEST_F(ConfigFileTest, ReadsEveryKindOfField) {
         "[body]\nheight = 2\nscale = 0.5\ncount = 3\nsize = 64\nseed = 99\nquiet = true\nname = \"x\"\nmethod = "
         "\"dual\"\n"
         "file = \"mesh.obj\"\nup = [0, 0, 1.5]\nlimits = [-0.5, 0.25]\npinned = [4, 5]\nwords = [\"b\", "
-        "\"c\"]\n[image]\n");
+        "\"c\"]\nshares = [0, 0.25, 1e-3]\ntools = [\"shears\", \"thread\"]\n[image]\n");
     EXPECT_EQ(o.height, 2.0);
     EXPECT_EQ(o.scale, 0.5);
     EXPECT_EQ(o.count, 3);
@@ -120,6 +124,8 @@ TEST_F(ConfigFileTest, ReadsEveryKindOfField) {
     EXPECT_EQ(o.upper, 0.25);
     EXPECT_EQ(o.pinned, (std::vector<int>{4, 5}));
     EXPECT_EQ(o.words, (std::vector<std::string>{"b", "c"}));
+    EXPECT_EQ(o.shares, (std::vector<double>{0, 0.25, 1e-3}));
+    EXPECT_EQ(o.tools, (std::vector<std::string>{"shears", "thread"}));
     EXPECT_TRUE(o.has_image);
 }
 
@@ -138,20 +144,20 @@ TEST_F(ConfigFileTest, NamesValueAndBoundsOfWhatIsOutOfRange) {
     EXPECT_THAT(text, HasSubstr("body.height is 5.0"));
     EXPECT_THAT(text, HasSubstr("1.2 to 2.2 [m]"));
     EXPECT_THAT(text, HasSubstr("scene.toml:2)"));
-    for (const char* line :
-         {"height = nan", "height = inf", "height = -inf", "height = 1e300", "scale = 0", "scale = -1", "count = 0",
-          "count = 101", "count = 99999999999", "size = 4", "seed = -1", "limits = [1, -1]", "limits = [-9, 0]",
-          "pinned = [-1]", "pinned = [1, 3000000000]", "up = [0, nan, 1]"})
+    for (const char* line : {"height = nan", "height = inf", "height = -inf", "height = 1e300", "scale = 0",
+                             "scale = -1", "count = 0", "count = 101", "count = 99999999999", "size = 4", "seed = -1",
+                             "limits = [1, -1]", "limits = [-9, 0]", "pinned = [-1]", "pinned = [1, 3000000000]",
+                             "up = [0, nan, 1]", "shares = [0.5, 1.5]", "shares = [nan]", "tools = [\"thimble\"]"})
         EXPECT_THAT(error(std::string("[body]\n") + line + "\n"), HasSubstr("scene.toml:2)")) << line;
 }
 
 TEST_F(ConfigFileTest, RefusesWrongTypes) {
     for (const char* line :
-         {"height = \"tall\"",    "height = true",      "height = [1]", "count = 1.5",    "count = \"3\"",
-          "size = \"automatic\"", "seed = 1.0",         "quiet = 1",    "name = 3",       "method = \"quick\"",
-          "method = 1",           "file = 1",           "file = \"\"",  "up = [0, 1]",    "up = 1",
-          "limits = 1",           "limits = [0, 1, 2]", "pinned = 1",   "pinned = [1.5]", "words = [1]",
-          "words = \"a\""})
+         {"height = \"tall\"",    "height = true",      "height = [1]",     "count = 1.5",        "count = \"3\"",
+          "size = \"automatic\"", "seed = 1.0",         "quiet = 1",        "name = 3",           "method = \"quick\"",
+          "method = 1",           "file = 1",           "file = \"\"",      "up = [0, 1]",        "up = 1",
+          "limits = 1",           "limits = [0, 1, 2]", "pinned = 1",       "pinned = [1.5]",     "words = [1]",
+          "words = \"a\"",        "shares = 0.5",       "shares = [\"a\"]", "tools = \"needle\"", "tools = [1]"})
         EXPECT_THAT(error(std::string("[body]\n") + line + "\n"), HasSubstr("scene.toml:2)")) << line;
     EXPECT_THAT(error("body = 3\n"), HasSubstr("body is 3, a table is expected"));
     EXPECT_THAT(error("[[body]]\nheight = 1.8\n"), HasSubstr("a table is expected"));

@@ -77,8 +77,9 @@ TEST_F(SceneConfigTest, AnAbsentTableIsAnAbsentFeature) {
                  plain.table || plain.sphere);
     EXPECT_EQ(left_out(plain).size(), 9u);
     EXPECT_THAT(left_out(plain), Contains(HasSubstr("no [body]: no skinning, no level set")));
-    const SceneConfig full =
-        read(std::string(body_scene) + "[bending]\n[strain_limit]\n[wind]\n[image]\n[pins]\n[table]\n[sphere]\n");
+    const SceneConfig full = read(std::string(body_scene) +
+                                  "[bending]\n[strain_limit]\n[wind]\n[image]\n[pins]\n[table]\n[sphere]\n"
+                                  "[evaluate.noise]\n[evaluate.runtime]\n[evaluate.stability]\n[evaluate.strain]\n");
     EXPECT_TRUE(full.body && full.poses && full.bending && full.contact && full.image && full.pins && full.table &&
                 full.sphere);
     EXPECT_TRUE(left_out(full).empty());
@@ -133,7 +134,7 @@ TEST_F(SceneConfigTest, ReadsWindLimitAndCompression) {
 TEST_F(SceneConfigTest, RefusesTablesThatDoNotGoTogether) {
     EXPECT_THAT(error("[scene]\n"), HasSubstr("garment is missing"));
     const std::string patch = "[garment]\nsource = \"patch\"\n";
-    for (const char* table : {"poses", "image", "level_set", "path", "split", "output"})
+    for (const char* table : {"poses", "image", "level_set", "path", "split", "output", "predict", "evaluate"})
         EXPECT_THAT(error(patch + "[" + table + "]\n"), HasSubstr("needs [body]")) << table;
     for (const char* table : {"body", "table", "sphere"})
         EXPECT_THAT(error(patch + "[" + table + "]\n"), HasSubstr("needs [contact]")) << table;
@@ -153,6 +154,28 @@ TEST_F(SceneConfigTest, TheResolvedTextIsTheSameScene) {
     EXPECT_EQ(second.solver.time_step, 0.02);
     EXPECT_EQ(second.image->size, 128);
     EXPECT_NE(read(body_scene).hash, first.hash);
+}
+
+TEST_F(SceneConfigTest, WhatIsEvaluatedDoesNotChangeTheData) {
+    const SceneConfig plain = read(body_scene);
+    EXPECT_EQ(plain.predict.predictor.front(), "ridge");
+    EXPECT_FALSE(plain.evaluate.noise || plain.evaluate.runtime || plain.evaluate.stability || plain.evaluate.strain);
+    const SceneConfig other = read(std::string(body_scene) +
+                                   "[predict]\npredictor = [\"mean\"]\n[evaluate]\nlimit = [0.01]\nmu = [1]\n"
+                                   "learn_mu = \"none\"\nsamples = 5\n[evaluate.runtime]\nstudy = [\"priors\"]\n");
+    EXPECT_EQ(other.predict.predictor, (std::vector<std::string>{"mean"}));
+    EXPECT_EQ(other.evaluate.limit, (std::vector<double>{0.01}));
+    EXPECT_EQ(other.evaluate.mu, (std::vector<double>{1.0}));
+    EXPECT_EQ(other.evaluate.learn_mu, "none");
+    EXPECT_EQ(other.evaluate.samples, 5);
+    EXPECT_EQ(other.evaluate.runtime->study, (std::vector<std::string>{"priors"}));
+    EXPECT_EQ(other.hash, plain.hash);
+    EXPECT_EQ(other.text, plain.text);
+    EXPECT_EQ(read(other.absolute_text).absolute_text, other.absolute_text);
+    EXPECT_THAT(error(std::string(body_scene) + "[predict]\npredictor = [\"oracle\"]\n"), HasSubstr("ridge, nearest"));
+    EXPECT_THAT(error(std::string(body_scene) + "[predict]\npredictor = []\n"), HasSubstr("empty list"));
+    EXPECT_THAT(error(std::string(body_scene) + "[evaluate]\nmu = [0]\n"), HasSubstr("evaluate.mu"));
+    EXPECT_THAT(error(std::string(body_scene) + "[evaluate.noise]\nshare = 0\n"), HasSubstr("evaluate.noise.share"));
 }
 
 TEST_F(SceneConfigTest, TheScenesOfTheRepositoryRead) {

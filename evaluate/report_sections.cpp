@@ -1,0 +1,21 @@
+#include "evaluate/report_sections.h"
+
+#include <optional>
+#include <utility>
+
+namespace toile::evaluate {
+namespace {
+
+using SectionBuilder = std::optional<ReportSection> (*)(const std::string& folder);
+
+}  // namespace
+
+std::vector<ReportSection> report_sections(const std::string& folder) {
+    const std::vector<SectionBuilder> builders{};
+    std::vector<ReportSection> sections;
+    for (const SectionBuilder builder : builders)
+        if (std::optional<ReportSection> section = builder(folder)) sections.push_back(std::move(*section));
+    return sections;
+}
+
+}  // namespace toile::evaluate
