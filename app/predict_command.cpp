@@ -11,7 +11,7 @@
 namespace toile::app {
 namespace {
 
-int predict(evaluate::PredictOptions options) {
+int predict_dataset(evaluate::PredictOptions options) {
     ProgressDisplay display;
     options.progress = [&display](const generate::Progress& progress) { display(progress); };
     options.interrupted = watch_interrupt();
@@ -30,7 +30,7 @@ void add_fit_flags(CLI::App& command, evaluate::PredictorOptions& options) {
                     "ridge: principal components of displacement; default: those that hold 99.9 % of the train split's "
                     "variance, at most 128")
         ->type_name("N")
-        ->check(CLI::Range(1, 1000));
+        ->check(CLI::Range(1, 10000));
     command
         .add_option("--ridge", options.ridge,
                     "ridge: strength, in samples of mean size; default: chosen by cross-validation on the train split")
@@ -66,7 +66,7 @@ void add_predict_command(CLI::App& program, Work& chosen) {
         "  toile predict out/quick/dataset.h5 --out out/quick/ridge.h5\n"
         "  toile predict out/quick/dataset.h5 --out out/quick/nearest.h5 --predictor nearest\n"
         "  toile validate out/quick/ridge.h5 --dataset out/quick/dataset.h5");
-    command->callback([options, &chosen] { chosen = [options] { return predict(*options); }; });
+    command->callback([options, &chosen] { chosen = [options] { return predict_dataset(*options); }; });
 }
 
 }  // namespace toile::app

@@ -15,7 +15,7 @@
 namespace toile::evaluate {
 namespace {
 
-constexpr int most_components = 1000;
+constexpr int most_components = 10000;
 
 void need_train_split(const PredictorData& data) {
     if (data.train().empty())

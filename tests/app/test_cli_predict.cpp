@@ -54,7 +54,7 @@ TEST_F(CliPredict, RefusesBadFlags) {
     expect_refused("predict d.h5", "--out");
     expect_refused("predict d.h5 --out p.h5 --predictor oracle", "oracle");
     expect_refused("predict d.h5 --out p.h5 --components 0", "--components");
-    expect_refused("predict d.h5 --out p.h5 --components 1001", "--components");
+    expect_refused("predict d.h5 --out p.h5 --components 10001", "--components");
     expect_refused("predict d.h5 --out p.h5 --ridge -1", "--ridge");
     expect_refused("predict d.h5 --out p.h5 --ridge nan", "--ridge");
     expect_refused("predict d.h5 --out p.h5 --seed x", "--seed");

@@ -43,7 +43,7 @@ TEST_F(PredictorFactory, RefusesOneOptionAtATime) {
     EXPECT_EQ(refusal({}), "");
     EXPECT_THAT(refusal({.predictor = "oracle"}), HasSubstr("one of ridge, mean, nearest, image"));
     EXPECT_THAT(refusal({.components = -1}), HasSubstr("components is -1"));
-    EXPECT_THAT(refusal({.components = 1001}), HasSubstr("0 to 1000"));
+    EXPECT_THAT(refusal({.components = 10001}), HasSubstr("0 to 10000"));
     EXPECT_THAT(refusal({.explained_variance = 0}), HasSubstr("explained_variance"));
     EXPECT_THAT(refusal({.explained_variance = 1.01}), HasSubstr("explained_variance"));
     EXPECT_THAT(refusal({.ridge = -0.1}), HasSubstr("ridge"));
