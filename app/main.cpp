@@ -26,6 +26,7 @@ int parse(int argc, char** argv, toile::app::Work& chosen) {
     toile::app::add_predict_command(program, chosen);
     toile::app::add_project_command(program, chosen);
     toile::app::add_evaluate_command(program, chosen);
+    toile::app::add_report_command(program, chosen);
     toile::app::add_validate_command(program, chosen);
     toile::app::add_export_command(program, chosen);
     toile::app::add_config_command(program, chosen);

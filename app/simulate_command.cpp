@@ -3,6 +3,7 @@
 #include "app/guard.h"
 #include "app/summary.h"
 #include "cloth/error.h"
+#include "evaluate/stability_replay.h"
 #include "generate/replay.h"
 #include "generate/single.h"
 
@@ -13,7 +14,14 @@ int exit_status(const simulate::DrapeResult& result) {
     return result.status == simulate::DrapeStatus::accepted ? all_done : some_samples_failed;
 }
 
+int replay_case(const Flags& flags) {
+    const evaluate::ReplayedCase again = evaluate::replay_case(flags.replay, flags.overrides, flags.out);
+    print_replay(again.replayed, flags.out);
+    return again.outcome.passed() ? all_done : some_samples_failed;
+}
+
 int replay_one(const Flags& flags) {
+    if (evaluate::is_case_replay(flags.replay)) return replay_case(flags);
     const generate::Replayed replayed = generate::replay_once(flags.replay, flags.overrides, flags.out);
     print_replay(replayed, flags.out);
     return exit_status(replayed.drape);
@@ -35,7 +43,9 @@ void add_simulate_command(CLI::App& program, Work& chosen) {
     const auto flags = std::make_shared<Flags>();
     CLI::Option* config = add_config_flag(*command, *flags)->required(false);
     CLI::Option* pose = add_pose_flag(*command, *flags, "pose number, from 0; without it the neutral pose");
-    command->add_option("--replay", flags->replay, "runs a pose that failed again, in place of CONFIG")
+    command
+        ->add_option("--replay", flags->replay,
+                     "runs a pose, or a case of the stability suite, that failed again, in place of CONFIG")
         ->type_name("FILE")
         ->excludes(config)
         ->excludes(pose);

@@ -115,12 +115,13 @@ void print_drape(const simulate::DrapeResult& result, const std::string& path) {
 void print_replay(const generate::Replayed& replayed, const std::string& path) {
     print_drape(replayed.drape, path);
     const files::ReplayRecord& recorded = replayed.recorded;
-    say("  recorded         pose {}: {}, residual force {:.3e} of the garment's weight", recorded.id, recorded.reason,
+    const std::string what = recorded.suite_case.empty() ? "pose " + std::to_string(recorded.id) : recorded.suite_case;
+    say("  recorded         {}: {}, residual force {:.3e} of the garment's weight", what, recorded.reason,
         recorded.certificate.residual_force);
     say("  the same         {}, {}", replayed.same_certificate ? "certificate" : "another certificate",
         replayed.same_cloth ? "cloth to the last bit" : "another cloth");
     if (!replayed.same_inputs)
-        say("  note             the configuration, or a file it names, is not what it was when the pose failed");
+        say("  note             the configuration, or a file it names, is not what it was when this failed");
 }
 
 }  // namespace toile::app

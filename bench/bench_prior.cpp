@@ -1,15 +1,12 @@
 #include <benchmark/benchmark.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <iostream>
 
 #include "bench/prior_benchmarks.h"
 #include "bench/program.h"
 #include "bench/speed_results.h"
 #include "bench/speed_scene.h"
-#include "bench/stress.h"
-#include "bench/stress_report.h"
 #include "cloth/error.h"
 
 namespace {
@@ -17,16 +14,9 @@ namespace {
 using namespace toile::bench;
 
 struct Flags {
-    bool stress = false;
-    StressDraw draw;
-    int count = 10'000;
-    int jobs = 1;
-    int only = -1;
-    std::string failures;
-
     bool table = false;
     std::string filter = "all";
-    BaselineFiles baseline;
+    BaselineFiles baseline{{}, {}, "bench_prior"};
     int repetitions = 5;
 
     bool speed() const { return table || !baseline.gate.empty() || !baseline.written.empty(); }
@@ -39,29 +29,6 @@ void add_flags(CLI::App& app, Flags& flags) {
     app.add_option("--write-baseline", flags.baseline.written, "measure and write a baseline");
     app.add_option("--filter", flags.filter, "rows to measure, as a regular expression; the units always are");
     app.add_option("--repetitions", flags.repetitions, "of each row; the least counts")->check(CLI::PositiveNumber);
-    app.add_flag("--stress", flags.stress,
-                 "solve random problems and tell which fell short; exit status 1 if anything "
-                 "claimed an accuracy that it does not have");
-    app.add_option("--count", flags.count, "problems of the stress run")->check(CLI::PositiveNumber);
-    app.add_option("--seed", flags.draw.seed, "what the problems are drawn from");
-    app.add_option("--jobs", flags.jobs, "problems at a time")->check(CLI::PositiveNumber);
-    app.add_option("--only", flags.only, "solve this problem alone")->check(CLI::NonNegativeNumber);
-    app.add_option("--failures", flags.failures, "write the samples that fell short to this file, as JSON");
-}
-
-int stress(const Flags& flags) {
-    const bool one = flags.only >= 0;
-    const int first = one ? flags.only : 0, count = one ? 1 : flags.count;
-    const auto outcome = run_stress(flags.draw, first, count, flags.jobs, [count](int done) {
-        if (done % 500 == 0) std::fprintf(stderr, "%d of %d problems\n", done, count);
-    });
-    print_stress(std::cout, outcome);
-    if (one)
-        for (const StressOutcome& each : outcome)
-            std::cout << "residual " << each.residual << ", steps " << each.iterations << ", " << each.seconds << " s; "
-                      << each.description << '\n';
-    if (!flags.failures.empty()) write_failures(outcome, flags.failures);
-    return any_false_claim(outcome) ? 1 : 0;
 }
 
 SpeedResults measure(const Flags& flags, const char* program) {
@@ -109,14 +76,14 @@ int plain(int argc, char** argv) {
 int run(int argc, char** argv) {
     Flags flags;
     CLI::App app(
-        "Speed and stress of the two priors. Without a flag, or with --benchmark_..., Google Benchmark's own "
+        "Speed of the two priors. Without a flag, or with --benchmark_..., Google Benchmark's own "
         "program.");
     add_flags(app, flags);
     app.allow_extras();
     CLI11_PARSE(app, argc, argv);
-    if (!flags.stress && !flags.speed()) return plain(argc, argv);
+    if (!flags.speed()) return plain(argc, argv);
     if (const auto extra = app.remaining(); !extra.empty()) throw toile::Error("unknown argument " + extra.front());
-    return flags.stress ? stress(flags) : speed(flags, argv[0]);
+    return speed(flags, argv[0]);
 }
 
 }  // namespace

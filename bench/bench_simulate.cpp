@@ -12,7 +12,7 @@ using namespace toile::bench;
 struct Flags {
     DrapeRowOptions rows;
     bool table = false;
-    BaselineFiles baseline;
+    BaselineFiles baseline{{}, {}, "bench_simulate"};
 };
 
 void add_flags(CLI::App& app, Flags& flags) {

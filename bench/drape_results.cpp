@@ -107,21 +107,22 @@ void print_drape_table(std::ostream& out, const DrapeResults& results) {
         if (!timing.refused.empty()) out << "refused: " << name << ": " << timing.refused << '\n';
 }
 
-std::vector<Metric> metrics(const DrapeResults& results) {
-    std::vector<Metric> list;
+std::vector<files::Metric> metrics(const DrapeResults& results) {
+    std::vector<files::Metric> list;
     for (const auto& [name, row] : results.timing) {
         if (!row.refused.empty()) continue;
-        list.push_back({name + "/median", row.units(), "factorisations", true, 0.25});
-        list.push_back({name + "/iterations", row.iterations, "iterations", true, 0.1});
+        list.push_back(metric(name + "/median", row.units(), "factorisations", 0.25));
+        list.push_back(metric(name + "/iterations", row.iterations, "iterations", 0.1));
         if (starts_with(name, "drape/")) {
-            list.push_back({name + "/percentile_95", 1e3 * row.quantile_seconds(0.95) / row.unit_milliseconds,
-                            "factorisations", true, 0.35});
-            list.push_back({name + "/accepted", row.accepted_share, "share", false, 0.0});
+            list.push_back(metric(name + "/percentile_95", 1e3 * row.quantile_seconds(0.95) / row.unit_milliseconds,
+                                  "factorisations", 0.35));
+            list.push_back(
+                metric(name + "/accepted", row.accepted_share, "share", 0.0, files::MetricDirection::higher));
         }
-        if (!row.error.empty()) list.push_back({name + "/error", 1e3 * row.median_error(), "mm", true, 0.25});
+        if (!row.error.empty()) list.push_back(metric(name + "/error", 1e3 * row.median_error(), "mm", 0.25));
     }
-    if (!std::isnan(results.exponent())) list.push_back({"exponent", results.exponent(), "exponent", true, 0.1});
-    if (results.peak_memory > 0) list.push_back({"memory", results.peak_memory, "MB", true, 0.1});
+    if (!std::isnan(results.exponent())) list.push_back(metric("exponent", results.exponent(), "exponent", 0.1));
+    if (results.peak_memory > 0) list.push_back(metric("memory", results.peak_memory, "MB", 0.1));
     return list;
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/drape_timing.h"
-#include "bench/metrics.h"
+#include "files/metric_file.h"
 
 namespace toile::bench {
 
@@ -35,6 +35,6 @@ inline constexpr double compared_error = 2e-3;
 void print_drape_table(std::ostream& out, const DrapeResults& results);
 
 /// What a gate compares: times in factorisations, iterations, shares, exponent, memory. No absolute time.
-std::vector<Metric> metrics(const DrapeResults& results);
+std::vector<files::Metric> metrics(const DrapeResults& results);
 
 }  // namespace toile::bench

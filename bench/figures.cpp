@@ -14,6 +14,17 @@ std::string number(double value, int digits) {
     return text.str();
 }
 
+files::Metric metric(const std::string& name, double value, const std::string& unit, double tolerance,
+                     files::MetricDirection direction) {
+    files::Metric one;
+    one.name = name;
+    one.value = value;
+    one.unit = unit;
+    one.direction = direction;
+    one.tolerance = tolerance;
+    return one;
+}
+
 double scaling_exponent(const std::vector<std::pair<double, double>>& size_and_time) {
     const auto count = static_cast<Eigen::Index>(size_and_time.size());
     if (count < 2) return no_number;

@@ -5,18 +5,25 @@
 #include <ostream>
 
 #include "cloth/error.h"
+#include "files/metric_comparison.h"
 
 namespace toile::bench {
 
-int measure_against(const BaselineFiles& files, const std::function<std::vector<Metric>()>& measure,
+int measure_against(const BaselineFiles& baseline, const std::function<std::vector<files::Metric>()>& measure,
                     std::ostream& out) {
-    const std::vector<Metric> baseline = files.gate.empty() ? std::vector<Metric>{} : read_metrics(files.gate);
-    const std::vector<Metric> measured = measure();
-    if (!files.written.empty()) write_metrics(measured, files.written);
-    const std::vector<std::string> worse = regressions(baseline, measured);
-    for (const std::string& line : worse) out << "regression: " << line << '\n';
-    if (!files.gate.empty() && worse.empty()) out << "gate: " << baseline.size() << " metrics, no regression\n";
-    return worse.empty() ? 0 : 1;
+    files::MetricFile before;
+    if (!baseline.gate.empty()) before = files::read_metric_file(baseline.gate, baseline.kind);
+    const std::vector<files::Metric> measured = measure();
+    if (!baseline.written.empty()) files::write_metric_file(baseline.written, {baseline.kind, {}, {}, measured});
+    int regressions = 0;
+    for (const files::MetricChange& change : files::compare_metrics(before.metric, measured)) {
+        if (!change.trips()) continue;
+        ++regressions;
+        out << "regression: " << change.line() << '\n';
+    }
+    if (!baseline.gate.empty() && regressions == 0)
+        out << "gate: " << before.metric.size() << " metrics, no regression\n";
+    return regressions == 0 ? 0 : 1;
 }
 
 int run_program(const char* name, const std::function<int()>& run) {

@@ -128,19 +128,19 @@ void print_speed_table(std::ostream& out, const SpeedResults& results) {
         if (!timing.refused.empty()) out << "refused: " << name << ": " << timing.refused << '\n';
 }
 
-std::vector<Metric> metrics(const SpeedResults& results) {
-    std::vector<Metric> list;
+std::vector<files::Metric> metrics(const SpeedResults& results) {
+    std::vector<files::Metric> list;
     for (const auto& [name, timing] : results.timing) {
         if (!timing.refused.empty() || parts_of(name).size() != 5) continue;
-        list.push_back({name, results.units(name), "factorisations", true, 0.25});
-        if (timing.iterations > 0) list.push_back({name + "/steps", timing.iterations, "iterations", true, 0.1});
+        list.push_back(metric(name, results.units(name), "factorisations", 0.25));
+        if (timing.iterations > 0) list.push_back(metric(name + "/steps", timing.iterations, "iterations", 0.1));
     }
     for (const std::string name :
          {"inextensibility/forward", "inextensibility/backward", "quasistatic/forward", "quasistatic/backward"})
         if (const double exponent = results.exponent(name); !std::isnan(exponent))
-            list.push_back({"scaling/" + name, exponent, "exponent", true, 0.1});
+            list.push_back(metric("scaling/" + name, exponent, "exponent", 0.1));
     for (const auto& [prior, memory] : results.peak_memory)
-        if (memory > 0) list.push_back({"memory/" + prior, memory, "MB", true, 0.1});
+        if (memory > 0) list.push_back(metric("memory/" + prior, memory, "MB", 0.1));
     return list;
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/metrics.h"
+#include "files/metric_file.h"
 
 namespace toile::bench {
 
@@ -46,6 +46,6 @@ class TimingCollector : public benchmark::BenchmarkReporter {
 void print_speed_table(std::ostream& out, const SpeedResults& results);
 
 /// What a gate compares: ratios, iterations, exponents, memory. No absolute time.
-std::vector<Metric> metrics(const SpeedResults& results);
+std::vector<files::Metric> metrics(const SpeedResults& results);
 
 }  // namespace toile::bench

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "bench/predictions.h"
-#include "bench/problem_meshes.h"
+#include "evaluate/problem_meshes.h"
+#include "evaluate/stress_predictions.h"
 
 namespace toile::bench {
 namespace {
@@ -14,9 +14,9 @@ constexpr double least_error = 0.001, largest_error = 0.03, white_share = 0.05;
 }  // namespace
 
 SpeedScene speed_scene(int around, int along, int samples) {
-    Random random(2020);
+    evaluate::Random random(2020);
     SpeedScene scene;
-    scene.mesh = open_tube(around, along, edge_length, shake, random);
+    scene.mesh = evaluate::open_tube(around, along, edge_length, shake, random);
     scene.rest = prior::rest_state(scene.mesh);
     scene.samples = samples;
     const auto append = [](std::vector<double>& all, const Positions& position) {
@@ -27,9 +27,9 @@ SpeedScene speed_scene(int around, int along, int samples) {
         const double place = samples > 1 ? (s * 29 % samples) / (samples - 1.0) : 0.5;
         const double error = least_error * std::pow(largest_error / least_error, place);
         const Positions& rest = scene.mesh.rest_position;
-        const Positions predicted = predicted_positions(rest, error, white_share, random);
+        const Positions predicted = evaluate::predicted_positions(rest, error, white_share, random);
         append(scene.predicted, predicted);
-        append(scene.moved, predicted + 0.01 * error * smooth_field(rest, random));
+        append(scene.moved, predicted + 0.01 * error * evaluate::smooth_field(rest, random));
         append(scene.loss_gradient, white_field(scene.mesh.vertex_count(), random));
     }
     return scene;

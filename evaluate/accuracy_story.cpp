@@ -1,5 +1,6 @@
 #include "evaluate/accuracy_story.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -30,8 +31,11 @@ std::string judged_split(const files::MetricFile& file, const std::string& predi
 
 AccuracyStory read_story(const Json& own, const files::MetricFile& file) {
     AccuracyStory story;
-    for (const Json& split : own.at("splits"))
+    for (const Json& split : own.at("splits")) {
+        story.splits.push_back({split.at("name"), split.at("samples"), split.at("judged")});
         story.not_judged += split.at("samples").get<int>() - split.at("accepted").get<int>();
+    }
+    story.vertices = own.at("vertices");
     story.failures = static_cast<int>(own.at("failures").size());
     const Json& predictors = own.at("predictors");
     if (predictors.empty()) return story;
@@ -62,12 +66,15 @@ const AccuracyStory::Method* AccuracyStory::find(const std::string& name, const 
     return begins;
 }
 
-std::optional<AccuracyStory> accuracy_story(const std::string& folder, const files::MetricFile& file) {
+std::optional<AccuracyStory> accuracy_story(const std::string& folder,
+                                            const std::vector<files::MetricFile>& evaluations) {
+    const auto accuracy = std::find_if(evaluations.begin(), evaluations.end(),
+                                       [](const files::MetricFile& file) { return file.kind == "accuracy"; });
+    if (accuracy == evaluations.end()) return {};
     const std::string path = (std::filesystem::path(folder) / "accuracy.json").string();
-    if (!std::filesystem::exists(path)) return {};
     const Json document = files::read_metric_document(path, "accuracy");
     try {
-        return read_story(document.at("accuracy"), file);
+        return read_story(document.at("accuracy"), *accuracy);
     } catch (const Json::exception&) {
         throw Error("the settings and comparisons of the accuracy are damaged", path + ":accuracy",
                     "measure it again: toile evaluate accuracy");

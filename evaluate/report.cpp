@@ -9,9 +9,10 @@
 
 #include "cloth/error.h"
 #include "evaluate/accuracy_scene.h"
+#include "evaluate/accuracy_story.h"
+#include "evaluate/filled_page.h"
 #include "evaluate/report_document.h"
 #include "evaluate/report_facts.h"
-#include "evaluate/filled_page.h"
 #include "evaluate/report_results.h"
 #include "evaluate/report_sections.h"
 #include "evaluate/report_verdict.h"
@@ -95,9 +96,10 @@ ReportSummary write_report(const ReportOptions& options) {
     summary.metrics = results.metric.size();
     for (const files::MetricFile& one : evaluations) summary.evaluations.push_back(one.kind);
     if (!options.baseline.empty()) summary.baseline = compare_with_baseline(options.baseline, results);
-    summary.verdict = report_verdict(options.folder, evaluations, summary.baseline);
+    const std::optional<AccuracyStory> story = accuracy_story(options.folder, evaluations);
+    summary.verdict = report_verdict(story, evaluations, summary.baseline);
 
-    ReportDocument document{title(evaluations, options.folder), summary.verdict, report_facts(evaluations),
+    ReportDocument document{title(evaluations, options.folder), summary.verdict, report_facts(evaluations, story),
                             report_sections(options.folder)};
     if (summary.baseline) document.sections.insert(document.sections.begin(), baseline_section(*summary.baseline));
     const std::optional<SceneData> scene = accuracy_scene(options.folder);

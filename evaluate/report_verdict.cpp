@@ -5,7 +5,6 @@
 #include <cmath>
 #include <string_view>
 
-#include "evaluate/accuracy_story.h"
 #include "evaluate/report_facts.h"
 
 namespace toile::evaluate {
@@ -27,7 +26,7 @@ std::string measured(const files::Metric& metric) {
     return text;
 }
 
-/// What a method does to the error: ", 7.2 mm … after the quasistatic prior, μ = 0.1: better by 0.2 mm".
+/// What a method does to the error: "; 7.2 mm … after the quasistatic prior, μ = 0.1, better by 0.2 mm".
 std::string change(const Method& method, const Method& before) {
     std::string text = fmt::format("; {} {}", measured(*method.error), method.title);
     const double difference = method.error->value - before.error->value;
@@ -35,7 +34,7 @@ std::string change(const Method& method, const Method& before) {
     if (method.judgement == "better" || method.judgement == "worse")
         return text + fmt::format(", {} by {}", method.judgement, amount);
     if (method.judgement.empty()) return text;
-    return text + fmt::format(", a difference ({}) that is {}", amount, method.judgement);
+    return text + fmt::format(", {} {}: {}", amount, difference < 0.0 ? "less" : "more", method.judgement);
 }
 
 std::string error_line(const std::optional<AccuracyStory>& story) {
@@ -159,11 +158,9 @@ std::string baseline_line(const std::optional<BaselineComparison>& baseline) {
 
 }  // namespace
 
-std::vector<std::string> report_verdict(const std::string& folder, const std::vector<files::MetricFile>& evaluations,
+std::vector<std::string> report_verdict(const std::optional<AccuracyStory>& story,
+                                        const std::vector<files::MetricFile>& evaluations,
                                         const std::optional<BaselineComparison>& baseline) {
-    std::optional<AccuracyStory> story;
-    if (const files::MetricFile* accuracy = find_kind(evaluations, "accuracy"))
-        story = accuracy_story(folder, *accuracy);
     return {error_line(story), mu_line(story), time_line(evaluations), broken_line(story, evaluations),
             baseline_line(baseline)};
 }

@@ -3,6 +3,7 @@
 #include "cloth/error.h"
 #include "files/hdf5_numbers.h"
 #include "files/mesh_group.h"
+#include "files/new_file.h"
 
 namespace toile::files {
 namespace {
@@ -37,6 +38,18 @@ std::vector<double> ProblemFile::predicted(int64_t first, int64_t count) const {
 
 std::vector<double> ProblemFile::target(int64_t first, int64_t count) const {
     return read_number_rows(file_, target_name, first, count).value;
+}
+
+void write_problem(const std::string& path, const ClothMesh& mesh, std::span<const double> predicted,
+                   std::span<const double> target) {
+    NewFile whole(path);
+    Hdf5File file = Hdf5File::create(whole.partial());
+    write_mesh_group(file, mesh, 4);
+    const int64_t vertices = mesh.vertex_count(), samples = static_cast<int64_t>(predicted.size()) / (3 * vertices);
+    file.write(predicted_name, predicted.data(), {samples, vertices, 3}, Storage{4, {}});
+    if (!target.empty()) file.write(target_name, target.data(), {samples, vertices, 3}, Storage{4, {}});
+    file.close();
+    whole.commit();
 }
 
 }  // namespace toile::files

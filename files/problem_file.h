@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,5 +34,9 @@ class ProblemFile {
     int64_t sample_count_ = 0;
     bool has_target_ = false;
 };
+
+/// Writes a problem file, whole or not at all: `predicted` `[N x V x 3]`, and `target` of the same shape or empty.
+void write_problem(const std::string& path, const ClothMesh& mesh, std::span<const double> predicted,
+                   std::span<const double> target = {});
 
 }  // namespace toile::files

@@ -48,6 +48,7 @@ void write_replay(const std::string& path, const ReplayRecord& record) {
     file.set_attribute("/", "program_version", record.program_version);
     file.set_attribute("/", "id", record.id);
     file.set_attribute("/", "reason", record.reason);
+    if (!record.suite_case.empty()) file.set_attribute("/", "case", record.suite_case);
     write_mesh_group(file, record.mesh, 4);
     write_rows(file, "/replay/pose", record.pose);
     write_rows(file, "/replay/start", record.start);
@@ -75,6 +76,7 @@ ReplayRecord read_replay(const std::string& path) {
     record.program_version = file.string_attribute("/", "program_version");
     record.id = file.integer_attribute("/", "id");
     record.reason = file.string_attribute("/", "reason");
+    if (file.has_attribute("/", "case")) record.suite_case = file.string_attribute("/", "case");
     record.mesh = read_mesh_group(file);
     record.pose = read_rows(file, "/replay/pose");
     record.start = read_rows(file, "/replay/start", record.mesh.vertex_count());

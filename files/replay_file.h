@@ -24,18 +24,20 @@ struct ReplayRecord {
     std::string config;       ///< resolved TOML, paths absolute
     std::string config_hash;  ///< of the values and the files they name
     std::string program_version;
-    int64_t id = 0;      ///< pose number
-    std::string reason;  ///< why it failed
-    ClothMesh mesh;      ///< the garment as it was cut, with masses
-    Positions pose;      ///< `[J x 3]`
-    Positions start;     ///< `[V x 3]` where the cloth set out from: the neutral drape [m]
-    Positions cloth;     ///< `[V x 3]` where it ended [m], in full precision
+    int64_t id = 0;          ///< pose number
+    std::string reason;      ///< why it failed
+    std::string suite_case;  ///< case of the stability suite that it is; empty: a pose of a data set
+    ClothMesh mesh;          ///< the garment as it was cut, with masses
+    Positions pose;          ///< `[J x 3]`
+    Positions start;         ///< `[V x 3]` where the cloth set out from: the neutral drape [m]
+    Positions cloth;         ///< `[V x 3]` where it ended [m], in full precision
     CertificateRecord certificate;
     std::vector<ReplayTry> tries;
 };
 
 /// Writes DIR/replay/pose_000123.h5 or any other path, whole or not at all: attributes of the root `format` = "toile",
-/// `kind` = "replay", `version`, `config`, `config_hash`, `program_version`, `id`, `reason`; `/replay/pose`, `start`
+/// `kind` = "replay", `version`, `config`, `config_hash`, `program_version`, `id`, `reason`, and
+/// `case` where it is one; `/replay/pose`, `start`
 /// and `cloth`, float64; `/replay/rung` and `/replay/rung_reason` (T) string; `/certificate/*` (T + 1) as in a data
 /// set, first that of the drape that was kept, then those of all tries. Times are left out, so the bytes depend on the
 /// pose alone.

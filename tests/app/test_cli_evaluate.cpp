@@ -46,14 +46,38 @@ TEST_F(CliEvaluate, MeasuresTheNoiseOfAScene) {
 }
 
 TEST_F(CliEvaluate, TriesAnExtreme) {
-    const Outcome outcome = run("evaluate stability --out stable --filter 'friction 2, on a table'");
+    const Outcome outcome = run("evaluate stability --out stable --solver implicit --filter 'friction 2, on a table'");
     EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr("implicit: 1 of 1 cases passed"));
     for (const char* name : {"stable/stability.csv", "stable/stability.json", "stable/stability.png"})
         EXPECT_TRUE(std::filesystem::exists(path(name))) << name;
-    const Outcome more = run("evaluate stability --out stable --filter 'friction 0, on a table' --tries 0 --resume");
+    const Outcome more =
+        run("evaluate stability --out stable --solver implicit --filter 'friction 0, on a table' --tries 0 --resume");
     EXPECT_EQ(more.status, 0) << more.out << more.err;
     EXPECT_THAT(more.out, HasSubstr("implicit: 2 of 2 cases passed"));
+}
+
+TEST_F(CliEvaluate, RunsAFailedCaseAgain) {
+    const std::string suite = "evaluate stability --out stable --solver implicit --filter 'friction 2, on a table'";
+    const Outcome failed = run(suite + " --iterations 1 --tries 0");
+    EXPECT_EQ(failed.status, 3) << failed.out << failed.err;
+    const std::string replay = "stable/stability_replay/implicit_friction_2_on_a_table.h5";
+    const Outcome again = run("simulate --replay " + replay + " --out cloth.obj");
+    EXPECT_EQ(again.status, 3) << again.err;
+    EXPECT_THAT(again.out, HasSubstr("cloth to the last bit"));
+    EXPECT_THAT(again.out, HasSubstr("friction 2, on a table"));
+    const Outcome mended =
+        run("simulate --replay " + replay + " --out cloth.obj --set case.max_iterations=5000 --set case.tries=3");
+    EXPECT_EQ(mended.status, 0) << mended.out << mended.err;
+    expect_refused("simulate --replay " + replay + " --out cloth.obj --set case.solver=guesswork", "guesswork");
+}
+
+TEST_F(CliEvaluate, TriesPriors) {
+    const Outcome outcome = run("evaluate stability --out priors --solver inextensibility --quick --problems 6");
+    EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("inextensibility/interior_point: "));
+    EXPECT_THAT(outcome.out, HasSubstr("inextensibility/cone: "));
+    EXPECT_FALSE(std::filesystem::exists(path("priors/stability.png"))) << "a picture of drapes";
 }
 
 TEST_F(CliEvaluate, RefusesWhatItCannotMeasure) {

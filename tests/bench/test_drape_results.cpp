@@ -38,8 +38,8 @@ DrapeResults results() {
     return results;
 }
 
-bool has(const std::vector<Metric>& metrics, const std::string& key) {
-    return std::any_of(metrics.begin(), metrics.end(), [&](const Metric& metric) { return metric.key == key; });
+bool has(const std::vector<files::Metric>& metrics, const std::string& key) {
+    return std::any_of(metrics.begin(), metrics.end(), [&](const files::Metric& metric) { return metric.name == key; });
 }
 
 TEST(DrapeTiming, TakesQuantilesOfItsDrapes) {
@@ -62,12 +62,12 @@ TEST(DrapeResults, ComparesSolversBetweenTheirSettings) {
 }
 
 TEST(DrapeResults, ListsMetricsWithoutAbsoluteTimes) {
-    const std::vector<Metric> list = metrics(results());
+    const std::vector<files::Metric> list = metrics(results());
     for (const char* key : {"drape/1000/median", "drape/3000/percentile_95", "drape/3000/accepted", "exponent",
                             "memory", "solver/implicit/exact/error"})
         EXPECT_TRUE(has(list, key)) << key;
     EXPECT_FALSE(has(list, "solver/xpbd/quick/median"));
-    for (const Metric& metric : list) EXPECT_TRUE(metric.unit != "s" && metric.unit != "ms") << metric.key;
+    for (const files::Metric& metric : list) EXPECT_TRUE(metric.unit != "s" && metric.unit != "ms") << metric.name;
 }
 
 TEST(DrapeResults, TheTableShowsRowsStagesAndRefusals) {

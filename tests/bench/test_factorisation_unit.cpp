@@ -1,15 +1,15 @@
 #include <gtest/gtest.h>
 
 #include "bench/factorisation_unit.h"
-#include "bench/problem_meshes.h"
 #include "cloth/topology.h"
+#include "evaluate/problem_meshes.h"
 
 namespace toile::bench {
 namespace {
 
 TEST(FactorisationUnit, FactorsTheMeshHessian) {
-    Random random(1);
-    const ClothMesh mesh = open_tube(12, 12, 0.015, 0.15, random);
+    evaluate::Random random(1);
+    const ClothMesh mesh = evaluate::open_tube(12, 12, 0.015, 0.15, random);
     const Edges edge = build_topology(mesh.triangle).edge;
     FactorisationUnit unit(edge, mesh.rest_position);
     ASSERT_TRUE(unit.factor());

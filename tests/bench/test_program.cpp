@@ -4,31 +4,41 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "bench/figures.h"
 #include "bench/program.h"
 #include "cloth/error.h"
 
 namespace toile::bench {
 namespace {
 
-std::vector<Metric> seconds(double value) {
-    return {{"drape", value, "factorisations", true, 0.1}};
+std::vector<files::Metric> seconds(double value) {
+    return {metric("drape", value, "factorisations", 0.1)};
 }
 
 TEST(Program, ComparesWithTheBaselineItWrote) {
     const std::string file = (std::filesystem::temp_directory_path() / "toile_test_program.json").string();
     std::ostringstream out;
     EXPECT_EQ(measure_against(
-                  {"", file}, [] { return seconds(10.0); }, out),
+                  {"", file, "bench"}, [] { return seconds(10.0); }, out),
               0);
     EXPECT_EQ(out.str(), "");
     EXPECT_EQ(measure_against(
-                  {file, ""}, [] { return seconds(10.5); }, out),
+                  {file, "", "bench"}, [] { return seconds(10.5); }, out),
               0);
     EXPECT_NE(out.str().find("no regression"), std::string::npos);
     EXPECT_EQ(measure_against(
-                  {file, ""}, [] { return seconds(12.0); }, out),
+                  {file, "", "bench"}, [] { return seconds(12.0); }, out),
               1);
     EXPECT_NE(out.str().find("regression: drape"), std::string::npos);
+    std::filesystem::remove(file);
+}
+
+TEST(Program, RefusesTheBaselineOfAnotherBench) {
+    const std::string file = (std::filesystem::temp_directory_path() / "toile_test_other_bench.json").string();
+    std::ostringstream out;
+    const auto measure = [] { return seconds(10.0); };
+    EXPECT_EQ(measure_against({"", file, "bench"}, measure, out), 0);
+    EXPECT_THROW(measure_against({file, "", "another"}, measure, out), Error);
     std::filesystem::remove(file);
 }
 
@@ -39,7 +49,7 @@ TEST(Program, ReadsTheBaselineBeforeItMeasures) {
         measured = true;
         return seconds(1.0);
     };
-    EXPECT_THROW(measure_against({"/no/such/file", ""}, measure, out), Error);
+    EXPECT_THROW(measure_against({"/no/such/file", "", "bench"}, measure, out), Error);
     EXPECT_FALSE(measured);
 }
 

@@ -21,8 +21,8 @@ SpeedResults results() {
     return results;
 }
 
-bool has(const std::vector<Metric>& metrics, const std::string& key) {
-    return std::any_of(metrics.begin(), metrics.end(), [&](const Metric& metric) { return metric.key == key; });
+bool has(const std::vector<files::Metric>& metrics, const std::string& key) {
+    return std::any_of(metrics.begin(), metrics.end(), [&](const files::Metric& metric) { return metric.name == key; });
 }
 
 TEST(SpeedResults, CountsInFactorisations) {
@@ -37,13 +37,13 @@ TEST(SpeedResults, FitsTheExponent) {
 }
 
 TEST(SpeedResults, ListsMetricsOfWhatWasTimedAlone) {
-    const std::vector<Metric> list = metrics(results());
+    const std::vector<files::Metric> list = metrics(results());
     EXPECT_TRUE(has(list, "inextensibility/interior_point/1e-6/forward/batch"));
     EXPECT_TRUE(has(list, "inextensibility/interior_point/1e-6/forward/batch/steps"));
     EXPECT_FALSE(has(list, "inextensibility/cone/1e-6/forward/batch"));
     EXPECT_TRUE(has(list, "scaling/inextensibility/forward"));
     EXPECT_TRUE(has(list, "memory/inextensibility"));
-    for (const Metric& metric : list) EXPECT_NE(metric.unit, "ms") << metric.key;
+    for (const files::Metric& metric : list) EXPECT_NE(metric.unit, "ms") << metric.name;
 }
 
 TEST(SpeedResults, TheTableShowsTargetsAndRefusals) {

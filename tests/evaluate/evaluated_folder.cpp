@@ -57,7 +57,8 @@ EvaluatedFolder::EvaluatedFolder() {
     for (files::Metric& metric : accuracy.metric) metric.floor = 0.2;
     accuracy_own = {
         {"accuracy",
-         {{"splits", {{{"name", "test"}, {"samples", 52}, {"accepted", 50}, {"judged", 50}}}},
+         {{"vertices", 4},
+          {"splits", {{{"name", "test"}, {"samples", 52}, {"accepted", 50}, {"judged", 50}}}},
           {"predictors",
            {{{"name", "ridge"},
              {"methods",

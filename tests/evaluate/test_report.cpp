@@ -178,15 +178,15 @@ TEST_F(Report, an_earlier_report_stays_where_a_new_one_is_refused) {
     EXPECT_EQ(folder_.text("report.html"), before);
 }
 
-TEST_F(Report, facts_are_told_once_where_all_agree) {
-    folder_.runtime.about[1].value = "3000";
-    folder_.accuracy.about.push_back({"vertices", "2974"});
+TEST_F(Report, facts_are_told_once_where_all_agree_and_with_their_kind_else) {
+    folder_.write();
+    const std::vector<files::MetricFile> evaluations{folder_.accuracy, folder_.runtime};
     std::string text;
-    for (const ReportFact& fact : report_facts({folder_.accuracy, folder_.runtime}))
+    for (const ReportFact& fact : report_facts(evaluations, accuracy_story(folder_.path(), evaluations)))
         text += fact.name + "=" + fact.value + ";";
     EXPECT_EQ(text,
-              "data set=shirt.h5;command=toile evaluate accuracy;configuration hash=12ab;vertices, accuracy=2974;"
-              "vertices, runtime=3000;");
+              "data set=shirt.h5;configuration hash=12ab;samples judged=test 50 of 52;vertices, accuracy=4;"
+              "vertices, runtime=2974;command, accuracy=toile evaluate accuracy;");
 }
 
 }  // namespace

@@ -17,8 +17,8 @@ class ReportVerdict : public testing::Test {
     /// Line `index` of all evaluations.
     std::string line(size_t index) {
         folder_.write();
-        const auto lines =
-            report_verdict(folder_.path(), {folder_.accuracy, folder_.runtime, folder_.stability}, std::nullopt);
+        const std::vector<files::MetricFile> evaluations{folder_.accuracy, folder_.runtime, folder_.stability};
+        const auto lines = report_verdict(accuracy_story(folder_.path(), evaluations), evaluations, std::nullopt);
         EXPECT_EQ(lines.size(), 5u);
         return lines.at(index);
     }
@@ -31,7 +31,7 @@ TEST_F(ReportVerdict, tells_the_error_before_and_after_each_prior) {
     EXPECT_EQ(line(0),
               "Error on test (ridge, SqrtMSE): 7.4 mm (95 %: 7.2 to 7.6) as predicted; 6.1 mm (95 %: 5.9 to 6.3) after "
               "the inextensibility prior, limit 0, better by 1.3 mm; 7.3 mm (95 %: 7.1 to 7.5) after the quasistatic "
-              "prior, μ = 0.32, a difference (0.1 mm) that is smaller than the simulator's noise. The simulator's own "
+              "prior, μ = 0.32, 0.1 mm less: smaller than the simulator's noise. The simulator's own "
               "noise is 0.2 mm.");
 }
 
@@ -81,7 +81,7 @@ TEST_F(ReportVerdict, tells_what_broke) {
 }
 
 TEST_F(ReportVerdict, each_line_says_where_its_evaluation_is_missing) {
-    const auto lines = report_verdict(folder_.path(), {}, std::nullopt);
+    const auto lines = report_verdict(std::nullopt, {}, std::nullopt);
     ASSERT_EQ(lines.size(), 5u);
     EXPECT_THAT(lines[0], HasSubstr("not measured; `toile evaluate accuracy`"));
     EXPECT_THAT(lines[1], HasSubstr("not measured; `toile evaluate accuracy`"));

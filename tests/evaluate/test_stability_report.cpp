@@ -15,6 +15,7 @@
 #include "evaluate/stability_report.h"
 #include "evaluate/stability_results.h"
 #include "files/image_file.h"
+#include "files/metric_file.h"
 
 namespace toile::evaluate {
 namespace {
@@ -98,7 +99,7 @@ TEST_F(StabilityFiles, KeepsWhatItIsToldToResumeFrom) {
     StabilityOutcome kept = first.outcome[0];
     kept.certificate.seconds = 12345.0;  // which no run of it takes
     kept.energy_rise = std::numeric_limits<double>::quiet_NaN();
-    std::ofstream(first.path[1]) << stability_json({kept, outcome("friction 9, elsewhere", "xpbd", true)});
+    write_stability_results(first.path[1], {kept, outcome("friction 9, elsewhere", "xpbd", true)}, {});
     options.resume = true;
     options.filter = "on a table";
     options.quick = true;
@@ -121,6 +122,42 @@ TEST_F(StabilityFiles, KeepsWhatItIsToldToResumeFrom) {
     std::ofstream(first.path[1]) << "{}";
     options.resume = true;
     EXPECT_THROW(evaluate_stability(options, folder_.string()), Error);
+}
+
+TEST_F(StabilityFiles, AreAMetricsFileWithTheSharesThatPassed) {
+    fs::create_directory(folder_);
+    const std::string path = (folder_ / "stability.json").string();
+    write_stability_results(path, outcomes(), {{"filter", "friction"}});
+    const files::MetricFile file = files::read_metric_file(path, "stability");
+    const auto value = [&](const std::string& name) {
+        for (const files::Metric& one : file.metric)
+            if (one.name == name) return one;
+        throw Error("there is no " + name);
+    };
+    EXPECT_EQ(value("stability/implicit/passed_share").value, 50.0);
+    EXPECT_EQ(value("stability/implicit/passed_share").direction, files::MetricDirection::higher);
+    EXPECT_EQ(value("stability/implicit/not_finite").value, 1.0);
+    EXPECT_EQ(value("stability/xpbd/passed_share").value, 100.0);
+    EXPECT_EQ(value("stability/xpbd/seconds").direction, files::MetricDirection::none);
+    EXPECT_EQ(file.about.at(0).value, "friction");
+}
+
+TEST_F(StabilityFiles, SayWhereAFailedDrapeIsRunAgainFromUntilItPasses) {
+    StabilityOptions options;
+    options.filter = "friction 0, on a table";
+    options.budget = {1, 0};
+    const StabilitySummary failed = evaluate_stability(options, folder_.string());
+    ASSERT_FALSE(failed.passed());
+    const std::string replay = failed.outcome[0].replay;
+    EXPECT_EQ(replay, "stability_replay/implicit_friction_0_on_a_table.h5");
+    EXPECT_TRUE(fs::exists(folder_ / replay));
+    EXPECT_THAT(failed.outcome[0].command, HasSubstr("toile simulate --replay " + replay));
+    EXPECT_THAT(text_of(failed.path[0]), HasSubstr(replay));
+    EXPECT_EQ(read_stability_results(failed.path[1]).at(0).replay, replay);
+
+    options.budget = {};
+    ASSERT_TRUE(evaluate_stability(options, folder_.string()).passed());
+    EXPECT_FALSE(fs::exists(folder_ / "stability_replay"));
 }
 
 TEST_F(StabilityFiles, RefusesAPlaceThatIsAFile) {
