@@ -24,5 +24,6 @@ void add_config_command(CLI::App& program, Work& chosen);
 
 // Subcommands of evaluate, likewise.
 void add_evaluate_accuracy(CLI::App& evaluate, Work& chosen);
+void add_evaluate_runtime(CLI::App& evaluate, Work& chosen);
 
 }  // namespace toile::app

@@ -64,6 +64,8 @@ void add_evaluate_command(CLI::App& program, Work& chosen) {
     add_noise(*command, chosen);
     add_evaluate_stability(*command, chosen);
     add_evaluate_accuracy(*command, chosen);
+    add_evaluate_runtime(*command, chosen);
+    add_evaluate_strain(*command, chosen);
 }
 
 }  // namespace toile::app
