@@ -110,10 +110,11 @@ Json own_members(const AccuracyOptions& options, const AccuracySummary& summary)
               {"comparisons", std::move(comparisons)}}}};
 }
 
-files::MetricFile metric_file(const AccuracyOptions& options, const AccuracySummary& summary) {
+files::MetricFile metric_file(const AccuracyOptions& options, const files::DatasetHeader& header,
+                              const AccuracySummary& summary) {
     files::MetricFile file;
     file.kind = "accuracy";
-    file.about = {{"dataset", options.dataset}, {"command", options.command}};
+    file.about = {{"dataset", options.dataset}, {"config_hash", header.config_hash}, {"command", options.command}};
     std::string names;
     for (const PredictorFigures& one : summary.figures.predictor) names += (names.empty() ? "" : ", ") + one.predictor;
     file.about.push_back({"predictors", names});
@@ -187,7 +188,7 @@ void write_accuracy(const AccuracyOptions& options, const files::DatasetHeader& 
                     const AccuracySummary& summary) {
     files::NewFile arrays(summary.figures_file);
     write_accuracy_file(arrays.partial(), header, shown, summary);
-    files::write_metric_file(summary.results, metric_file(options, summary), own_members(options, summary));
+    files::write_metric_file(summary.results, metric_file(options, header, summary), own_members(options, summary));
     arrays.commit();
 }
 
