@@ -27,7 +27,7 @@ int strain(StrainFlags flags, bool timed, int jobs) {
     if (timed && !(options.time_step > 0))
         throw Error("--time-step must be a positive number of seconds", "command line");
     if (flags.rates && !timed && options.dataset.empty())
-        throw Error("rates need the time between frames", "command line", "add --time-step SECONDS");
+        throw Error("--rates needs --time-step, the time between frames", "command line", "add --time-step SECONDS");
     if (flags.rates && !options.dataset.empty())
         throw Error("a data set has no rates: its samples have no time between them", options.dataset,
                     "leave --rates out");

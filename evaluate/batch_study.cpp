@@ -112,28 +112,41 @@ void add_point(Study& study, int curve, const Batch& batch, const std::string& w
                                   Spread{1e3 * seconds.low, 1e3 * seconds.middle, 1e3 * seconds.high}, units});
 }
 
-}  // namespace
-
-Study study_batches(const RuntimeSamples& samples, const BatchSweep& sweep, const RepeatOptions& repeat,
-                    const Clock& clock) {
-    Study study;
-    study.name = "batch";
-    study.title = "Batch size and threads";
-    const auto batches = make_batches(samples, sweep);
+/// Times the batches of one thread, or those of several, and adds their points.
+void measure(Study& study, const RuntimeSamples& samples, const BatchSweep& sweep, bool one_thread,
+             const RepeatOptions& repeat, const Clock& clock) {
+    std::vector<std::unique_ptr<Batch>> batches = make_batches(samples, sweep);
+    std::erase_if(batches, [one_thread](const auto& one) { return (one->threads == 1) != one_thread; });
     std::vector<TimedTask> task;
     for (const auto& one : batches) {
         task.push_back({one->prior, [batch = one.get()](int) { batch->project(); }});
         task.push_back({one->prior, [batch = one.get()](int) { batch->backward(); },
                         [batch = one.get()](int) { batch->fill_loss_gradient(); }});
     }
-    const auto unit = unit_of(samples);
-    const Timings timings = time_interleaved(task, 1, factorisation(unit), repeat, clock);
+    const Timings timings = time_interleaved(task, 1, factorisation(unit_of(samples)), repeat, clock);
+    for (size_t k = 0; k < batches.size(); ++k) {
+        const Batch& batch = *batches[k];
+        if (const int missed = batch.size - batch.converged(); missed > 0)
+            study.left_out.push_back(fmt::format("{}, batch of {}: {} samples did not reach {:.0e}", batch.prior,
+                                                 batch.size, missed, batch_tolerance));
+        add_point(study, 0, batch, "projection", timings, static_cast<int>(2 * k));
+        add_point(study, 1, batch, "backward", timings, static_cast<int>(2 * k + 1));
+    }
+}
+
+}  // namespace
+
+Study study_batches(const RuntimeSamples& samples, const BatchSweep& sweep, const RepeatOptions& repeat,
+                    const Clock& clock, const Clock& wall) {
+    Study study;
+    study.name = "batch";
+    study.title = "Batch size and threads";
     study.text.push_back(fmt::format(
-        "{} samples of {} vertices in turn, as many as a batch holds. Seconds are wall time a sample, so that "
-        "threads show, and so does what else the machine does; it has {} cores. A ratio is in units of one "
-        "factorisation of this mesh's matrix: {:.2f} ms. A sample's result does not depend on its batch or "
-        "the threads.",
-        samples.count(), samples.vertex_count(), std::thread::hardware_concurrency(), 1e3 * timings.unit().middle));
+        "{} samples of {} vertices in turn, as many as a batch holds, on a machine of {} cores. Seconds of one thread "
+        "are processor time, those of several are wall time, in which everything else that the machine does shows: "
+        "compare them on an idle one. A ratio is in units of one factorisation of this mesh's matrix by the same "
+        "clock. A sample's result does not depend on its batch or the threads.",
+        samples.count(), samples.vertex_count(), std::thread::hardware_concurrency()));
     study.curves = {curves_of("batch-forward", "Projection: seconds a sample by batch size"),
                     curves_of("batch-backward", "Backward pass: seconds a sample by batch size")};
     study.table.push_back({"batch-table",
@@ -146,14 +159,8 @@ Study study_batches(const RuntimeSamples& samples, const BatchSweep& sweep, cons
                             {"time a sample", "ms"},
                             {"factorisations", "ratio"}},
                            {}});
-    for (size_t k = 0; k < batches.size(); ++k) {
-        const Batch& batch = *batches[k];
-        if (const int missed = batch.size - batch.converged(); missed > 0)
-            study.left_out.push_back(fmt::format("{}, batch of {}: {} samples did not reach {:.0e}", batch.prior,
-                                                 batch.size, missed, batch_tolerance));
-        add_point(study, 0, batch, "projection", timings, static_cast<int>(2 * k));
-        add_point(study, 1, batch, "backward", timings, static_cast<int>(2 * k + 1));
-    }
+    measure(study, samples, sweep, true, repeat, clock);
+    measure(study, samples, sweep, false, repeat, wall);
     return study;
 }
 

@@ -11,8 +11,9 @@ struct BatchSweep {
 };
 
 /// Seconds a sample of the default method of each prior, projection and backward pass, by batch size and threads. The
-/// samples are taken again from the start where a batch is larger than there are.
+/// samples are taken again from the start where a batch is larger than there are. `clock` is for one thread, `wall` for
+/// several.
 Study study_batches(const RuntimeSamples& samples, const BatchSweep& sweep, const RepeatOptions& repeat,
-                    const Clock& clock);
+                    const Clock& clock, const Clock& wall);
 
 }  // namespace toile::evaluate

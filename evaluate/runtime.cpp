@@ -65,7 +65,7 @@ Study run_meshes(const RuntimeOptions& options, const RuntimeSamples& samples, R
 Study run_batches(const RuntimeOptions& options, const RuntimeSamples& samples, const RepeatOptions& repeat) {
     BatchSweep sweep;
     if (options.quick) sweep = {{1, 4, 16}, {1, 2}};
-    return study_batches(samples, sweep, repeat, options.wall);
+    return study_batches(samples, sweep, repeat, options.clock, options.wall);
 }
 
 Study run_study(const std::string& name, const RuntimeOptions& options, const RuntimeSamples& samples) {

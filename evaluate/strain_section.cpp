@@ -137,7 +137,11 @@ std::vector<std::string> text_of(const Json& document) {
     std::vector<std::string> text = {fmt::format(
         "Strain of {} frames of {} triangles and {} vertices ({}), measured from {}. Each triangle's deformation "
         "gradient F comes from its edges; F = R U gives the principal stretches: 1 is as at rest, 1.25 a quarter "
-        "longer. Vertices: F fitted over {}.",
+        "longer. Vertices: F fitted over {}; the residual is the share of the neighbourhood's shape that one F does "
+        "not "
+        "explain: where it is large, as in a fold, the fit follows the chord, and its stretches fall below those of "
+        "the "
+        "triangles.",
         document.at("frames").size(), document.at("triangles").get<int>(), document.at("vertices").get<int>(), source,
         about(document, "rest"), about(document, "neighbourhood"))};
     for (const Json& note : document.at("notes")) text.push_back(note.get<std::string>() + ".");
