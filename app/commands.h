@@ -15,6 +15,7 @@ void add_merge_command(CLI::App& program, Work& chosen);
 void add_status_command(CLI::App& program, Work& chosen);
 void add_skin_command(CLI::App& program, Work& chosen);
 void add_simulate_command(CLI::App& program, Work& chosen);
+void add_predict_command(CLI::App& program, Work& chosen);
 void add_project_command(CLI::App& program, Work& chosen);
 void add_evaluate_command(CLI::App& program, Work& chosen);
 void add_report_command(CLI::App& program, Work& chosen);
