@@ -51,7 +51,7 @@ function makeHeader(column: Column, sort: () => void): HTMLTableCellElement {
     "button",
     { type: "button" },
     column.name,
-    column.unit ? element("span", { class: "unit" }, ` ${column.unit}`) : null,
+    column.unit ? element("span", { class: "unit" }, ` [${column.unit}]`) : null,
   );
   button.addEventListener("click", sort);
   return element("th", { scope: "col", class: column.align === "number" ? "number" : "text" }, button);
