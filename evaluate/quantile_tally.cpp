@@ -53,20 +53,6 @@ double QuantileTally::quantile(double share) const {
     return largest_;
 }
 
-double QuantileTally::share_above(double value) const {
-    if (count_ == 0) return std::numeric_limits<double>::quiet_NaN();
-    std::int64_t above = 0;
-    for (auto one = class_.upper_bound(class_of(value)); one != class_.end(); ++one) above += one->second.count;
-    return static_cast<double>(above) / static_cast<double>(count_);
-}
-
-double QuantileTally::share_below(double value) const {
-    if (count_ == 0) return std::numeric_limits<double>::quiet_NaN();
-    std::int64_t below = 0;
-    for (auto one = class_.begin(); one != class_.lower_bound(class_of(value)); ++one) below += one->second.count;
-    return static_cast<double>(below) / static_cast<double>(count_);
-}
-
 QuantileTally::Histogram QuantileTally::histogram(int bins) const {
     if (count_ == 0) return {};
     double low = quantile(0.001), high = quantile(0.999);

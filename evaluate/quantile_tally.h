@@ -13,6 +13,7 @@ namespace toile::evaluate {
 /// bit.
 class QuantileTally {
   public:
+    QuantileTally();
     void add(double value);
     std::int64_t count() const { return count_; }  ///< of the finite ones
     std::int64_t not_finite() const { return not_finite_; }
@@ -20,10 +21,6 @@ class QuantileTally {
     double smallest() const { return smallest_; }  ///< exact
     double largest() const { return largest_; }    ///< exact
     double quantile(double share) const;           ///< the value that `share` of all lie at or below
-
-    /// The share of all above or below a value, to the width of a class.
-    double share_above(double value) const;
-    double share_below(double value) const;
 
     struct Histogram {
         std::vector<double> edges, counts;  ///< `[n + 1]`, `[n]`
@@ -41,9 +38,6 @@ class QuantileTally {
     std::map<std::int64_t, Class> class_;
     std::int64_t count_ = 0, not_finite_ = 0;
     double sum_ = 0, smallest_, largest_;
-
-  public:
-    QuantileTally();
 };
 
 }  // namespace toile::evaluate

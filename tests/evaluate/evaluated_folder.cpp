@@ -11,6 +11,7 @@
 
 #include "evaluate/quantity.h"
 #include "files/hdf5_file.h"
+#include "files/mesh_group.h"
 
 namespace toile::evaluate {
 namespace {
@@ -107,7 +108,10 @@ void EvaluatedFolder::write_arrays() {
     files::Hdf5File out = files::Hdf5File::create(file("accuracy.h5"));
     out.set_attribute("/", "format", "toile accuracy");
     out.set_attribute("/", "version", 1);
-    out.write("/mesh/triangle", std::vector<std::int32_t>{0, 1, 2, 0, 2, 3}, {2, 3});
+    ClothMesh mesh;
+    mesh.triangle = (Triangles(2, 3) << 0, 1, 2, 0, 2, 3).finished();
+    mesh.rest_position = (Positions(4, 3) << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0).finished();
+    files::write_mesh_group(out, mesh, 0);
     out.write("/body/triangle", std::vector<std::int32_t>{0, 1, 2}, {1, 3});
     out.write("/shown/id", std::vector<std::int64_t>{17, 4}, {2});
     out.write("/shown/split", std::vector<std::int8_t>{2, 0}, {2});

@@ -199,6 +199,12 @@ TEST_F(Strain, MeasuresADataSetFromItsPattern) {
     EXPECT_NEAR(summary.frame[1].triangle.largest_1, 1.5, 1e-6);
     EXPECT_THAT(summary.note, ::testing::Contains(HasSubstr("no rates")));
     EXPECT_THAT(summary.note, ::testing::Contains(HasSubstr("2 samples that were not accepted")));
+    // The same frames as meshes, with the data set's pattern for their rest state.
+    StrainOptions meshes = options("meshes");
+    meshes.rest = path("dataset.h5");
+    files::write_mesh(path("large.ply"), header.mesh.triangle, header.mesh.rest_position * 1.5);
+    meshes.sequence = {path("large.ply")};
+    EXPECT_NEAR(evaluate_strain(meshes).of("triangle/stretch_2").quantile(0.5), 1.5, 1e-9);
     one.split = {"validation"};
     EXPECT_THAT(refusal(one), HasSubstr("no accepted sample"));
     one.split.clear();

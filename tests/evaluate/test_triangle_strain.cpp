@@ -165,9 +165,8 @@ TEST(TriangleStrain, FindsTurnedOverTrianglesWhereAllIsFlat) {
 }
 
 TEST(TriangleStrain, SeesNoiseAsItsStatisticsSay) {
-    // Of a right triangle of legs h, noise s at each vertex: F = I + E with E's entries of variance 2 s^2 / h^2, so
-    // that the mean of trace(F in its plane) / 2 is 1, and its variance (2 + 2 - 0) s^2 / h^2 / 4 less the shared
-    // corner's.
+    // Right triangles of legs h, noise s in each coordinate: F = I + E, and to first order the mean of the two strains
+    // is (E11 + E22) / 2 with E11 = (x1 - x0) / h, E22 = (y2 - y0) / h, independent, of variance 2 s^2 / h^2 each.
     ClothMesh mesh;
     const int count = 20000;
     const double h = 0.1, s = 1e-4;
@@ -183,11 +182,10 @@ TEST(TriangleStrain, SeesNoiseAsItsStatisticsSay) {
     for (double& value : noisy.reshaped()) value += noise(random);
     double mean = 0, square = 0;
     for (const TriangleStrain& one : triangle_strain(strain_rest(mesh, ""), noisy, 2)) {
-        const double strain = 0.5 * one.stretch.sum() - 1;  // (E11 + E22) / 2 to first order
+        const double strain = 0.5 * one.stretch.sum() - 1;
         mean += strain / count;
         square += strain * strain / count;
     }
-    // E11 = (x1 - x0) / h, E22 = (y2 - y0) / h: independent, variance 2 s^2 / h^2 each.
     const double expected = s / h;
     EXPECT_NEAR(std::sqrt(square) / expected, 1, 0.03);
     EXPECT_NEAR(mean / expected, 0, 0.05);

@@ -48,7 +48,9 @@ describe("report of the program", () => {
     for (const _ of data.scene.samples) {
       await viewerDrawn(page);
       const panels = await panelsPainted(page);
-      assert.equal(panels.length, data.scene.views.length);
+      const drawn = Number(await page.locator(".stage").getAttribute("data-drawn"));
+      const sample = data.scene.samples.find(({ id }) => id === drawn);
+      assert.equal(panels.length, Object.keys(sample.cloth).length); // a prior that failed has no cloth to show
       for (const panel of panels) assert.ok(panel.colours > 1 && panel.share > 0, JSON.stringify(panel));
       await page.getByRole("button", { name: "Next sample" }).click();
     }
