@@ -22,4 +22,7 @@ void add_validate_command(CLI::App& program, Work& chosen);
 void add_export_command(CLI::App& program, Work& chosen);
 void add_config_command(CLI::App& program, Work& chosen);
 
+// Subcommands of evaluate, likewise.
+void add_evaluate_accuracy(CLI::App& evaluate, Work& chosen);
+
 }  // namespace toile::app

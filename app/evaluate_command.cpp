@@ -63,6 +63,7 @@ void add_evaluate_command(CLI::App& program, Work& chosen) {
         "toile evaluate NAME --help explains each.");
     add_noise(*command, chosen);
     add_evaluate_stability(*command, chosen);
+    add_evaluate_accuracy(*command, chosen);
 }
 
 }  // namespace toile::app

@@ -3,6 +3,7 @@
 #include <optional>
 #include <utility>
 
+#include "evaluate/accuracy_section.h"
 #include "evaluate/stability_section.h"
 
 namespace toile::evaluate {
@@ -13,7 +14,7 @@ using SectionBuilder = std::optional<ReportSection> (*)(const std::string& folde
 }  // namespace
 
 std::vector<ReportSection> report_sections(const std::string& folder) {
-    const std::vector<SectionBuilder> builders{stability_section};
+    const std::vector<SectionBuilder> builders{accuracy_section, stability_section};
     std::vector<ReportSection> sections;
     for (const SectionBuilder builder : builders)
         if (std::optional<ReportSection> section = builder(folder)) sections.push_back(std::move(*section));
