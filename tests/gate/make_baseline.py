@@ -6,7 +6,9 @@
 Each RESULTS is the evaluation/results.json of a run: of the same scene on different machines, or with a number of it
 changed in its last digits, which is what another machine's rounding does. A metric's value is the runs' median. Its
 tolerance is the one it came with, or three times the runs' largest relative distance from the median, whichever is more.
-A metric that the runs do not agree on within a third is told and not judged, and so is one that is not in all of them."""
+Ratios of times are given a half at least: what a cache or a busy neighbour makes of them on another machine. A metric that
+the runs do not agree on within a third is told and not judged, and so is an error that is rounding; one that is not in all
+runs is left out."""
 
 import json
 import statistics
@@ -14,6 +16,8 @@ import sys
 
 FACTOR = 3.0
 MOST = 1.0 / 3.0
+OF_TIME = 0.5
+ROUNDING = 1e-9
 
 
 def merged(metric, others):
@@ -28,10 +32,14 @@ def merged(metric, others):
     one["value"] = middle
     one["interval"] = [middle, middle]
     one.pop("distribution", None)
-    if relative > MOST:
+    timed = one["metric"].endswith("/time_ratio")
+    rounding = abs(middle) < ROUNDING and one["unit"] not in ("%", "cases")
+    if rounding or (relative > MOST and not timed):
         one["direction"] = "none"
     else:
         one["tolerance"] = max(one["tolerance"], FACTOR * relative)
+        if timed:
+            one["tolerance"] = min(max(one["tolerance"], OF_TIME), 0.9)  # twice the time is worse whatever the spread
     return one
 
 
