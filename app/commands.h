@@ -15,6 +15,7 @@ void add_merge_command(CLI::App& program, Work& chosen);
 void add_status_command(CLI::App& program, Work& chosen);
 void add_skin_command(CLI::App& program, Work& chosen);
 void add_simulate_command(CLI::App& program, Work& chosen);
+void add_predict_command(CLI::App& program, Work& chosen);
 void add_project_command(CLI::App& program, Work& chosen);
 void add_evaluate_command(CLI::App& program, Work& chosen);
 void add_report_command(CLI::App& program, Work& chosen);
@@ -24,5 +25,6 @@ void add_config_command(CLI::App& program, Work& chosen);
 
 // Subcommands of evaluate, likewise.
 void add_evaluate_accuracy(CLI::App& evaluate, Work& chosen);
+void add_evaluate_runtime(CLI::App& evaluate, Work& chosen);
 
 }  // namespace toile::app

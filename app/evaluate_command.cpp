@@ -59,11 +59,14 @@ void add_evaluate_command(CLI::App& program, Work& chosen) {
     command->require_subcommand(1);
     command->footer(
         "  toile evaluate noise configs/quick.toml --out out/noise\n"
-        "  toile evaluate stability --out out/stability\n\n"
+        "  toile evaluate stability --out out/stability\n"
+        "  toile evaluate strain --rest rest.obj --deformed a.obj --out out/strain\n\n"
         "toile evaluate NAME --help explains each.");
     add_noise(*command, chosen);
     add_evaluate_stability(*command, chosen);
     add_evaluate_accuracy(*command, chosen);
+    add_evaluate_runtime(*command, chosen);
+    add_evaluate_strain(*command, chosen);
 }
 
 }  // namespace toile::app

@@ -23,6 +23,7 @@ int parse(int argc, char** argv, toile::app::Work& chosen) {
     toile::app::add_status_command(program, chosen);
     toile::app::add_skin_command(program, chosen);
     toile::app::add_simulate_command(program, chosen);
+    toile::app::add_predict_command(program, chosen);
     toile::app::add_project_command(program, chosen);
     toile::app::add_evaluate_command(program, chosen);
     toile::app::add_report_command(program, chosen);

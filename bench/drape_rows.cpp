@@ -8,6 +8,7 @@
 #include "bench/drape_scene.h"
 #include "bench/peak_memory.h"
 #include "cloth/error.h"
+#include "evaluate/solver_settings.h"
 
 namespace toile::bench {
 namespace {
@@ -38,52 +39,20 @@ void add_sizes(Rows& rows, const DrapeRowOptions& options) {
                         }});
 }
 
-/// Where `implicit` comes to rest with far smaller steps and tolerances than any row has.
-DrapeScene tightest(DrapeScene scene) {
-    scene.solver.solver = "implicit";
-    scene.solver.residual_tolerance = 1e-7;
-    scene.solver.max_iterations = 20000;
-    scene.solver.time_step *= 0.25;
-    scene.schedule.joint_step *= 0.25;
-    scene.schedule.path_tolerance *= 0.01;
-    scene.schedule.path_iterations = 30;
-    return scene;
-}
-
-/// Each solver in settings from quick to exact.
-struct Setting {
-    std::string solver, name;
-    std::function<void(DrapeScene&)> change;
-};
-std::vector<Setting> settings() {
-    std::vector<Setting> list;
-    for (const double tolerance : {1e-2, 5e-4, 1e-5})
-        list.push_back({"implicit", "tolerance_" + std::to_string(tolerance).substr(0, 8), [tolerance](DrapeScene& s) {
-                            s.solver.residual_tolerance = tolerance;
-                            s.solver.max_iterations = 5000;
-                        }});
-    for (const int substeps : {5, 20, 80})
-        list.push_back({"xpbd", "substeps_" + std::to_string(substeps),
-                        [substeps](DrapeScene& s) { s.solver.xpbd.substeps = substeps; }});
-    for (const int refinement : {1, 2, 4, 8})
-        list.push_back({"bullet", "substep_1/" + std::to_string(500 * refinement), [refinement](DrapeScene& s) {
-                            s.solver.bullet.substep = 0.002 / refinement;
-                            s.solver.bullet.settle_substeps *= refinement;
-                        }});
-    return list;
-}
-
 void add_solvers(Rows& rows, const DrapeRowOptions& options) {
     const int count = std::min(options.poses, 3);
     const auto reference = std::make_shared<std::vector<Positions>>();
-    for (const Setting& setting : settings())
+    for (const evaluate::SolverSetting& setting : evaluate::solver_settings(evaluate::SettingChoice::main))
         rows.push_back({"solver/" + setting.solver + "/" + setting.name, [=] {
                             DrapeScene scene = shirt_scene(solver_edge_length);
                             scene.ladder.tries = 0;  // or what does not rest would be timed four times
                             const std::vector<skin::Pose> poses = arm_poses(*scene.body, count);
-                            if (reference->empty()) time_drapes(tightest(scene), poses, 1, {}, reference.get());
-                            scene.solver.solver = setting.solver;
-                            setting.change(scene);
+                            if (reference->empty()) {
+                                DrapeScene tight = scene;
+                                evaluate::make_tightest(tight.solver, tight.schedule);
+                                time_drapes(tight, poses, 1, {}, reference.get());
+                            }
+                            setting.apply(scene.solver, scene.schedule);
                             return time_drapes(scene, poses, 1, *reference);
                         }});
 }

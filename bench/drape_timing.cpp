@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "bench/factorisation_unit.h"
+#include "cloth/factorisation_unit.h"
 #include "bench/figures.h"
 #include "cloth/error.h"
 #include "cloth/topology.h"

@@ -12,7 +12,7 @@ namespace toile::bench {
 /// What a number of drapes took and came to.
 struct DrapeTiming {
     int vertices = 0;
-    double unit_milliseconds = 0;  ///< one factorisation on this mesh (bench/factorisation_unit.h)
+    double unit_milliseconds = 0;  ///< one factorisation on this mesh (cloth/factorisation_unit.h)
     std::vector<double> seconds;   ///< of each drape: processor time of the whole process
     std::vector<double> error;     ///< of each drape: root mean square distance from a reference [m]; empty without one
     std::map<std::string, double> stage;  ///< wall time of all drapes by stage [s]; "other" is the rest

@@ -8,9 +8,9 @@
 #include <string>
 #include <utility>
 
-#include "bench/factorisation_unit.h"
 #include "bench/peak_memory.h"
 #include "bench/timed_priors.h"
+#include "cloth/factorisation_unit.h"
 
 namespace toile::bench {
 namespace {

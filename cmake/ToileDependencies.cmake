@@ -77,7 +77,7 @@ if(TOILE_SKIN OR TOILE_SIMULATE)
   find_package(OpenVDB QUIET COMPONENTS openvdb)
   toile_require(OpenVDB_FOUND OpenVDB "libopenvdb-dev (with libtbb-dev, libblosc-dev, libboost-iostreams-dev)")
 endif()
-if(TOILE_SKIN OR TOILE_PATTERN)
+if(TOILE_FILES)  # PLY; skin and pattern need it too
   find_package(CGAL QUIET)
   toile_require(CGAL_FOUND CGAL "libcgal-dev (with libgmp-dev, libmpfr-dev)")
 endif()

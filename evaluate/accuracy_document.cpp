@@ -24,6 +24,7 @@ AccuracyDocument::Predictor predictor_of(const Json& json) {
 }
 
 void read_own(const Json& own, AccuracyDocument& document) {
+    document.vertices = own.at("vertices");
     document.overstretched_limit = number(own.at("overstretched_limit"));
     for (const Json& one : own.at("predictors")) document.predictor.push_back(predictor_of(one));
     for (const Json& one : own.at("splits"))

@@ -33,6 +33,7 @@ struct AccuracyDocument {
                                                                                         ///< quantity
 
     std::string dataset, command;
+    int vertices = 0;
     double overstretched_limit = 0;
     std::vector<Predictor> predictor;
     std::vector<Split> split;

@@ -3,12 +3,15 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
 #include "evaluate/accuracy_file.h"
+#include "evaluate/mu_picture.h"
+#include "files/image_file.h"
 #include "files/metric_file.h"
 #include "files/new_file.h"
 
@@ -110,10 +113,11 @@ Json own_members(const AccuracyOptions& options, const AccuracySummary& summary)
               {"comparisons", std::move(comparisons)}}}};
 }
 
-files::MetricFile metric_file(const AccuracyOptions& options, const AccuracySummary& summary) {
+files::MetricFile metric_file(const AccuracyOptions& options, const files::DatasetHeader& header,
+                              const AccuracySummary& summary) {
     files::MetricFile file;
     file.kind = "accuracy";
-    file.about = {{"dataset", options.dataset}, {"command", options.command}};
+    file.about = {{"dataset", options.dataset}, {"config_hash", header.config_hash}, {"command", options.command}};
     std::string names;
     for (const PredictorFigures& one : summary.figures.predictor) names += (names.empty() ? "" : ", ") + one.predictor;
     file.about.push_back({"predictors", names});
@@ -181,13 +185,24 @@ class SplitTable {
     std::map<std::pair<std::string, std::string>, std::string> verdict_;
 };
 
+/// mu.png beside the results: of the first predictor that mu was learned for, as in accuracy.h5. One of an earlier run
+/// goes.
+void write_mu_picture(const files::DatasetHeader& header, const AccuracySummary& summary) {
+    const std::filesystem::path path = std::filesystem::path(summary.results).parent_path() / "mu.png";
+    if (!summary.mu.empty() && summary.mu.front().fit.vertex.mu.size() > 0)
+        files::write_png(path.string(), mu_picture(header.mesh, summary.mu.front().fit.vertex.mu));
+    else
+        std::filesystem::remove(path);
+}
+
 }  // namespace
 
 void write_accuracy(const AccuracyOptions& options, const files::DatasetHeader& header, const Shown& shown,
                     const AccuracySummary& summary) {
     files::NewFile arrays(summary.figures_file);
     write_accuracy_file(arrays.partial(), header, shown, summary);
-    files::write_metric_file(summary.results, metric_file(options, summary), own_members(options, summary));
+    write_mu_picture(header, summary);
+    files::write_metric_file(summary.results, metric_file(options, header, summary), own_members(options, summary));
     arrays.commit();
 }
 

@@ -11,6 +11,7 @@
 #include "evaluate/accuracy_curves.h"
 #include "evaluate/accuracy_document.h"
 #include "evaluate/accuracy_figures.h"
+#include "evaluate/mu_picture.h"
 
 namespace toile::evaluate {
 namespace {
@@ -207,9 +208,12 @@ std::optional<ReportSection> accuracy_section(const std::string& folder) {
     for (ReportCurves& curves : accuracy_curves(document, shown.name)) section.blocks.emplace_back(std::move(curves));
     section.blocks.emplace_back(energy_table(document, shown));
     const fs::path arrays = fs::path(folder) / "accuracy.h5";
-    if (fs::exists(arrays, ignored))
+    if (fs::exists(arrays, ignored)) {
         for (ReportHistogram& one : accuracy_histograms(document, shown.name, arrays.string()))
             section.blocks.emplace_back(std::move(one));
+        if (std::optional<ReportPicture> mu = learned_mu_block(arrays.string()))
+            section.blocks.emplace_back(std::move(*mu));
+    }
     return section;
 }
 

@@ -13,6 +13,8 @@
 namespace toile::evaluate {
 namespace {
 
+constexpr int most_pixels = 512;  ///< of a layer, along a side
+
 /// The image with the places of its numbers.
 struct Channels {
     const std::vector<float>& value;
@@ -38,10 +40,12 @@ struct Channels {
 };
 
 files::Picture draw(const Channels& image, int component, double scale) {
-    files::Picture picture{image.layers * image.width, image.height, 4, {}};
-    for (int row = 0; row < image.height; ++row)
+    const int stride = (std::max(image.height, image.width) + most_pixels - 1) / most_pixels;
+    const auto kept = [stride](int size) { return (size + stride - 1) / stride; };
+    files::Picture picture{image.layers * kept(image.width), kept(image.height), 4, {}};
+    for (int row = 0; row < image.height; row += stride)
         for (int layer = 0; layer < image.layers; ++layer)
-            for (int column = 0; column < image.width; ++column) {
+            for (int column = 0; column < image.width; column += stride) {
                 const double value = image.at(layer, component, row, column);
                 const generate::Color color =
                     std::isfinite(value) ? generate::diverging(scale > 0.0 ? value / scale : 0.0) : generate::Color{};

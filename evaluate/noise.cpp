@@ -96,7 +96,7 @@ Draped drape_sample(const Ways& ways, const NoiseSource::Pose& pose) {
     for (const Way& way : ways.variant) {
         const DrapeResult other = way.drape(pose);
         record.variant.push_back(
-            {static_cast<int>(other.status), (other.position - configured.position).rowwise().norm()});
+            {static_cast<int>(other.status), other.position, (other.position - configured.position).rowwise().norm()});
         draped.seconds.push_back(other.certificate.seconds);
     }
     record.spread = spread_of(record);

@@ -35,7 +35,7 @@ struct NoiseStatistics {
     std::string name;
     int samples = 0;   ///< that both drapes of a pair brought within the gate: others don't count
     int accepted = 0;  ///< drapes of this variant within the gate
-    double median = 0, percentile_95 = 0, largest = 0, root_mean_square = 0;
+    double median = 0, percentile_95 = 0, percentile_99 = 0, largest = 0, root_mean_square = 0;
     double seconds = 0;  ///< mean wall time of a drape
 };
 
@@ -56,8 +56,8 @@ struct NoiseSummary {
 /// is the largest distance over the variants that rest within the gate, NaN where none does or the configured drape
 /// doesn't. No improvement smaller than this can be claimed.
 ///
-/// Writes noise.h5 (files/noise_file.h) and noise.json, whole or not at all. Throws Error for what is wrong with the
-/// source, the folder or the share.
+/// Writes noise.h5 (files/noise_file.h) and noise.json (a metric file, files/metric_file.h, with members of its own),
+/// whole or not at all. Throws Error for what is wrong with the source, the folder or the share.
 NoiseSummary measure_noise(const NoiseOptions& options);
 
 }  // namespace toile::evaluate

@@ -13,13 +13,15 @@ namespace {
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
-/// Values of one pair of drapes.
-QuantityValues pair_values(const files::NoiseRecord::Variant& variant) {
-    QuantityValues values;
-    values.fill(not_a_number);
-    at(values, Quantity::sqrt_mse) =
-        1e3 * std::sqrt(variant.distance.squaredNorm() / static_cast<double>(variant.distance.size()));
-    at(values, Quantity::max_dist) = 1e3 * variant.distance.maxCoeff();
+/// Values of a drape taken for a prediction of another one.
+QuantityValues pair_values(const ClothJudge& judge, const Positions& configured, const Positions& variant) {
+    const JudgedTarget target = judge.target(configured);
+    QuantityValues values = judge.judge(variant, target);
+    const QuantityValues own = judge.judge(configured, target);
+    for (int q = 0; q < quantity_count; ++q) {
+        const auto k = static_cast<size_t>(q);
+        if (quantity_kind(q).of_the_cloth) values[k] = std::abs(values[k] - own[k]);
+    }
     return values;
 }
 
@@ -47,8 +49,9 @@ NoiseFloor read_noise_floor(const std::string& path, const ClothJudge& judge) {
     for (std::int64_t slot = 0; slot < reader.sample_count(); ++slot) {
         const files::NoiseRecord record = reader.read(slot);
         for (size_t k = 0; record.status == 0 && k < record.variant.size(); ++k) {
-            if (record.variant[k].status != 0 || !record.variant[k].distance.allFinite()) continue;
-            pair[k].push_back(pair_values(record.variant[k]));
+            const Positions& variant = record.variant[k].cloth;
+            if (record.variant[k].status != 0 || !variant.allFinite() || !record.cloth.allFinite()) continue;
+            pair[k].push_back(pair_values(judge, record.cloth, variant));
             ++floor.samples;
         }
     }

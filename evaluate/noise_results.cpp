@@ -7,7 +7,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "files/new_file.h"
+#include "evaluate/noise_histogram.h"
+#include "files/metric_file.h"
 #include "simulate/certificate.h"
 
 namespace toile::evaluate {
@@ -37,9 +38,47 @@ Json as_json(const NoiseStatistics& one) {
             {"accepted", one.accepted},
             {"median", number(one.median)},
             {"percentile_95", number(one.percentile_95)},
+            {"percentile_99", number(one.percentile_99)},
             {"largest", number(one.largest)},
             {"root_mean_square", number(one.root_mean_square)},
             {"seconds_a_drape", number(one.seconds)}};
+}
+
+/// Of one variant, or of the spread.
+void add_metrics(const NoiseStatistics& one, int drapes, std::vector<files::Metric>& metric) {
+    constexpr double repeatable = 0.25;  // other poses, another machine's rounding: a drape is chaotic
+    files::Metric distance;
+    distance.name = "noise/" + one.name + "/distance";
+    distance.value = 1e3 * one.root_mean_square;
+    distance.unit = "mm";
+    distance.direction = files::MetricDirection::lower;
+    distance.tolerance = repeatable;
+    distance.samples = one.samples;
+    distance.distribution = {{1e3 * one.median, 1e3 * one.percentile_95, 1e3 * one.percentile_99, 1e3 * one.largest}};
+    metric.push_back(distance);
+    if (drapes == 0) return;
+    files::Metric accepted;
+    accepted.name = "noise/" + one.name + "/accepted_share";
+    accepted.value = 100.0 * one.accepted / drapes;
+    accepted.unit = "%";
+    accepted.direction = files::MetricDirection::higher;
+    accepted.samples = drapes;
+    metric.push_back(accepted);
+    files::Metric seconds;
+    seconds.name = "noise/" + one.name + "/seconds";
+    seconds.value = one.seconds;
+    seconds.unit = "s";
+    seconds.samples = drapes;
+    metric.push_back(seconds);
+}
+
+files::MetricFile metrics_of(const NoiseSummary& summary, const generate::SceneConfig& config) {
+    files::MetricFile file;
+    file.kind = "noise";
+    file.about = {{"source", config.file}, {"config_hash", config.hash}};
+    for (const NoiseStatistics& one : summary.variant) add_metrics(one, summary.samples, file.metric);
+    add_metrics(summary.spread, 0, file.metric);
+    return file;
 }
 
 }  // namespace
@@ -53,6 +92,7 @@ NoiseStatistics NoiseResults::Pairs::statistics(int drapes) const {
     std::vector<double> sorted = distance;
     result.median = quantile(sorted, 0.5);
     result.percentile_95 = quantile(sorted, 0.95);
+    result.percentile_99 = quantile(sorted, 0.99);
     result.largest = quantile(sorted, 1.0);
     double sum = 0.0;
     for (const double one : distance) sum += one * one;
@@ -107,21 +147,22 @@ void NoiseResults::write(const NoiseSummary& summary, const files::NoiseHeader& 
         row["spread_max"] = number(one.largest);
         samples.push_back(std::move(row));
     }
-    const Json document{{"format", "toile"},
-                        {"kind", "noise"},
-                        {"program_version", TOILE_VERSION},
-                        {"config_hash", config.hash},
-                        {"unit", "metres"},
-                        {"share", header.share},
-                        {"poses", summary.poses},
-                        {"vertices", summary.vertices},
-                        {"configured_accepted", summary.configured},
-                        {"configured_seconds_a_drape", number(summary.configured_seconds)},
-                        {"spread", as_json(summary.spread)},
-                        {"variants", variants},
-                        {"missing", summary.missing},
-                        {"samples", samples}};
-    files::write_text_file(summary.results, document.dump(2) + "\n");
+    std::vector<NamedDistances> distances;
+    for (const Pairs& pairs : variant_) distances.push_back({pairs.name, &pairs.distance});
+    distances.push_back({spread_.name, &spread_.distance});
+    const Json own{{"config_hash", config.hash},
+                   {"unit", "metres"},
+                   {"share", header.share},
+                   {"poses", summary.poses},
+                   {"vertices", summary.vertices},
+                   {"configured_accepted", summary.configured},
+                   {"configured_seconds_a_drape", number(summary.configured_seconds)},
+                   {"spread", as_json(summary.spread)},
+                   {"variants", variants},
+                   {"missing", summary.missing},
+                   {"histogram", noise_histogram(distances)},
+                   {"samples", samples}};
+    files::write_metric_file(summary.results, metrics_of(summary, config), own);
 }
 
 std::string noise_table(const NoiseSummary& s) {

@@ -17,7 +17,8 @@ class NoiseResults {
     void add(const files::NoiseRecord& record, const std::vector<double>& seconds);
     /// Fills in what is said of variants, spread and configured drapes.
     void summarise(NoiseSummary& summary) const;
-    /// Writes `summary.results`: the statistics, and of each sample id, statuses, root mean square and largest spread.
+    /// Writes `summary.results`: metrics, the statistics, how the distances are spread, and of each sample id,
+    /// statuses, root mean square and largest spread.
     void write(const NoiseSummary& summary, const files::NoiseHeader& header,
                const generate::SceneConfig& config) const;
 

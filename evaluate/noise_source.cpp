@@ -20,18 +20,6 @@ bool is_hdf5(const std::string& path) {
     return extension == ".h5" || extension == ".hdf5";
 }
 
-generate::SceneConfig dataset_config(const files::DatasetHeader& header, const std::string& path,
-                                     const std::vector<std::string>& overrides) {
-    const fs::path beside = fs::path(path).parent_path() / "config.toml";
-    std::error_code ignored;
-    if (fs::exists(beside, ignored)) {
-        generate::SceneConfig config = generate::read_scene(beside.string(), {});
-        if (config.hash == header.config_hash)
-            return overrides.empty() ? config : generate::read_scene(beside.string(), overrides);
-    }
-    return generate::read_scene_text(header.config, path, overrides);
-}
-
 NoiseSource from_dataset(const std::string& path, const std::vector<std::string>& overrides) {
     const files::DatasetReader dataset(path);
     NoiseSource source;
@@ -56,6 +44,18 @@ NoiseSource from_config(const std::string& path, const std::vector<std::string>&
 }
 
 }  // namespace
+
+generate::SceneConfig dataset_config(const files::DatasetHeader& header, const std::string& path,
+                                     const std::vector<std::string>& overrides) {
+    const fs::path beside = fs::path(path).parent_path() / "config.toml";
+    std::error_code ignored;
+    if (fs::exists(beside, ignored)) {
+        generate::SceneConfig config = generate::read_scene(beside.string(), {});
+        if (config.hash == header.config_hash)
+            return overrides.empty() ? config : generate::read_scene(beside.string(), overrides);
+    }
+    return generate::read_scene_text(header.config, path, overrides);
+}
 
 NoiseSource read_noise_source(const std::string& path, const std::vector<std::string>& overrides) {
     NoiseSource source = is_hdf5(path) ? from_dataset(path, overrides) : from_config(path, overrides);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "files/dataset_file.h"
 #include "generate/scene_config.h"
 #include "skin/pose.h"
 
@@ -19,6 +20,11 @@ struct NoiseSource {
     };
     std::vector<Pose> pose;  ///< all there are, in order of their id
 };
+
+/// The resolved configuration of a data set at `path`: the config.toml beside it where it is still the same, whose
+/// paths are absolute, else the one that the file stores. Throws Error for what is wrong with it or with `overrides`.
+generate::SceneConfig dataset_config(const files::DatasetHeader& header, const std::string& path,
+                                     const std::vector<std::string>& overrides);
 
 /// From a configuration, or from a data set: its samples' poses with its own resolved configuration. That is the
 /// config.toml beside it where it is still the same, whose paths are absolute, else the one it stores. Throws Error for

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cloth/error.h"
+#include "evaluate/predictor.h"
 
 namespace toile::evaluate {
 namespace {
@@ -31,12 +32,39 @@ PredictionSource from_file(const std::string& path, const files::DatasetReader& 
             why_no_train(*reader, dataset, splits)};
 }
 
+/// A predictor with the data it was fitted on.
+struct Fitted {
+    PredictorData data;
+    std::unique_ptr<Predictor> predictor;
+
+    Fitted(const files::DatasetReader& dataset, const std::string& name) : data(dataset) {
+        PredictorOptions options;
+        options.predictor = name;
+        options.seed = static_cast<std::uint64_t>(dataset.header().seed);
+        predictor = fit_predictor(options, data);
+    }
+};
+
+std::vector<PredictionSource> built_in_sources(const files::DatasetReader& dataset) {
+    std::vector<PredictionSource> sources;
+    for (const std::string& name : predictor_names()) {
+        if (name == "image" && !dataset.header().image) continue;
+        const auto fitted = std::make_shared<const Fitted>(dataset, name);
+        sources.push_back(
+            {name,
+             "built in",
+             [fitted](const files::SampleRecord& sample) { return predicted_cloth(*fitted->predictor, sample); },
+             {}});
+    }
+    return sources;
+}
+
 }  // namespace
 
 std::vector<PredictionSource> prediction_sources(const std::vector<std::string>& paths,
                                                  const files::DatasetReader& dataset, const std::vector<int>& splits) {
     std::vector<PredictionSource> sources;
-    if (paths.empty()) throw Error("there are no predictions to judge", "--predictions");
+    if (paths.empty()) return built_in_sources(dataset);
     std::set<std::string> names{"target"};  // the truth's own row
     for (const std::string& path : paths) {
         sources.push_back(from_file(path, dataset, splits));

@@ -14,11 +14,12 @@ namespace toile::evaluate {
 /// Which predictor, and how it is fitted.
 struct PredictorOptions {
     std::string predictor = "ridge";    ///< one of `predictor_names`
-    int components = 0;                 ///< of displacement, 1 to 1000; ridge; 0: see `explained_variance`
+    int components = 0;                 ///< of displacement, 1 to 10,000; ridge; 0: see `explained_variance`
     double explained_variance = 0.999;  ///< share of the train split's that the components hold, at most 128 of them
-    std::optional<double> ridge;        ///< strength, 0 or more, see ridge_regression.h; none: by cross-validation
-    std::uint64_t seed = 1;             ///< draws the train samples that components are taken from where there are many
-    int jobs = 1;                       ///< threads; nothing depends on it
+    std::optional<double> ridge =
+        std::nullopt;        ///< strength, 0 or more, see ridge_regression.h; none: by cross-validation
+    std::uint64_t seed = 1;  ///< draws the train samples that components are taken from where there are many
+    int jobs = 1;            ///< threads; nothing depends on it
 
     /// Throws Error naming the option, its value and what it may be.
     void validate() const;

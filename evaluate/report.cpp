@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cloth/error.h"
+#include "evaluate/accuracy_document.h"
 #include "evaluate/accuracy_scene.h"
-#include "evaluate/accuracy_story.h"
 #include "evaluate/filled_page.h"
 #include "evaluate/report_document.h"
 #include "evaluate/report_facts.h"
@@ -96,13 +96,15 @@ ReportSummary write_report(const ReportOptions& options) {
     summary.metrics = results.metric.size();
     for (const files::MetricFile& one : evaluations) summary.evaluations.push_back(one.kind);
     if (!options.baseline.empty()) summary.baseline = compare_with_baseline(options.baseline, results);
-    const std::optional<AccuracyStory> story = accuracy_story(options.folder, evaluations);
-    summary.verdict = report_verdict(story, evaluations, summary.baseline);
+    std::optional<AccuracyDocument> accuracy;
+    if (evaluations.front().kind == "accuracy")
+        accuracy = read_accuracy_document(in_folder(options.folder, "accuracy.json"));
+    summary.verdict = report_verdict(accuracy, evaluations, summary.baseline);
 
-    ReportDocument document{title(evaluations, options.folder), summary.verdict, report_facts(evaluations, story),
+    ReportDocument document{title(evaluations, options.folder), summary.verdict, report_facts(evaluations, accuracy),
                             report_sections(options.folder)};
     if (summary.baseline) document.sections.insert(document.sections.begin(), baseline_section(*summary.baseline));
-    const std::optional<SceneData> scene = accuracy_scene(options.folder);
+    const std::optional<SceneData> scene = accuracy ? accuracy_scene(options.folder) : std::nullopt;
     if (scene) {
         place_viewer(document.sections, *scene);
         summary.shown = scene->scene.samples.size();

@@ -66,20 +66,20 @@ class Tellings {
     std::vector<Told> told_;
 };
 
-void tell_story(Tellings& tellings, const AccuracyStory& story) {
+void tell_samples(Tellings& tellings, const AccuracyDocument& accuracy) {
     std::string splits;
-    for (const AccuracyStory::Split& one : story.splits)
+    for (const AccuracyDocument::Split& one : accuracy.split)
         splits += fmt::format("{}{} {} of {}", splits.empty() ? "" : ", ", one.name, one.judged, one.samples);
     tellings.tell("accuracy", "samples by split", splits);
-    if (story.vertices > 0) tellings.tell("accuracy", "vertices", std::to_string(story.vertices));
+    tellings.tell("accuracy", "vertices", std::to_string(accuracy.vertices));
 }
 
 }  // namespace
 
 std::vector<ReportFact> report_facts(const std::vector<files::MetricFile>& evaluations,
-                                     const std::optional<AccuracyStory>& story) {
+                                     const std::optional<AccuracyDocument>& accuracy) {
     Tellings tellings;
-    if (story) tell_story(tellings, *story);
+    if (accuracy) tell_samples(tellings, *accuracy);
     for (const files::MetricFile& one : evaluations) {
         for (const files::MetricFile::Line& line : one.about)
             if (line.name != "program_version" && !(line.name == "vertices" && one.kind == "accuracy"))

@@ -4,7 +4,10 @@
 #include <utility>
 
 #include "evaluate/accuracy_section.h"
+#include "evaluate/noise_section.h"
+#include "evaluate/runtime_section.h"
 #include "evaluate/stability_section.h"
+#include "evaluate/strain_section.h"
 
 namespace toile::evaluate {
 namespace {
@@ -14,7 +17,8 @@ using SectionBuilder = std::optional<ReportSection> (*)(const std::string& folde
 }  // namespace
 
 std::vector<ReportSection> report_sections(const std::string& folder) {
-    const std::vector<SectionBuilder> builders{accuracy_section, stability_section};
+    const std::vector<SectionBuilder> builders{accuracy_section, runtime_section, stability_section, strain_section,
+                                               noise_section};
     std::vector<ReportSection> sections;
     for (const SectionBuilder builder : builders)
         if (std::optional<ReportSection> section = builder(folder)) sections.push_back(std::move(*section));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "evaluate/accuracy_story.h"
 #include "evaluate/report_facts.h"
 
 namespace toile::evaluate {
@@ -158,9 +159,11 @@ std::string baseline_line(const std::optional<BaselineComparison>& baseline) {
 
 }  // namespace
 
-std::vector<std::string> report_verdict(const std::optional<AccuracyStory>& story,
+std::vector<std::string> report_verdict(const std::optional<AccuracyDocument>& accuracy,
                                         const std::vector<files::MetricFile>& evaluations,
                                         const std::optional<BaselineComparison>& baseline) {
+    std::optional<AccuracyStory> story;
+    if (accuracy) story = accuracy_story(*accuracy);
     return {error_line(story), mu_line(story), time_line(evaluations), broken_line(story, evaluations),
             baseline_line(baseline)};
 }

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <fstream>
 #include <numeric>
 #include <stdexcept>
@@ -23,6 +24,11 @@ std::string json_name(std::string name) {
     for (char& c : name)
         if (static_cast<unsigned char>(c) >= 0x80) c = '?';
     return name;
+}
+
+/// What glTF wants, of a component of sRGB.
+double linear_light(double value) {
+    return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
 }
 
 /// Unit normals: a vertex without any gets one that points up.
@@ -67,6 +73,8 @@ struct GltfWriter::Impl {
         primitive.mode = TINYGLTF_MODE_TRIANGLES;
         primitive.attributes["POSITION"] = buffer.add_vectors(mesh.position, true);
         primitive.attributes["NORMAL"] = buffer.add_vectors(normal, false);
+        if (mesh.vertex_color.rows() > 0)
+            primitive.attributes["COLOR_0"] = buffer.add_vectors(mesh.vertex_color.unaryExpr(&linear_light), false);
         primitive.indices = buffer.add_indices(mesh.triangle);
         primitive.material = add_material(mesh);
         tinygltf::Mesh added;

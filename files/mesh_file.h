@@ -32,6 +32,7 @@ struct NamedMesh {
     Eigen::Vector3f color = {0.7f, 0.7f, 0.7f};  ///< linear red, green, blue in [0, 1]; .glb only
     PlanePositions texture = {};                 ///< `[P x 2]` or empty; .obj and .ply only
     Triangles texture_triangle = {};             ///< `[F x 3]` texture indices of each triangle's corners
+    Positions vertex_color = {};                 ///< `[V x 3]` sRGB in [0, 1] or empty; .ply and .glb only
 };
 
 /// Writes .obj, .ply or .glb by the path's extension, to a new name first, then renamed. Vertices keep their order and

@@ -1,5 +1,6 @@
 // assimp's own exporters are not used: they merge and reorder vertices, and write float32 where float64 is asked for.
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -18,6 +19,9 @@ void check_mesh(const NamedMesh& mesh, const std::string& path) {
             throw Error("vertex " + std::to_string(v) + " of mesh '" + mesh.name + "' is not finite", path);
     if (mesh.triangle.size() > 0 && (mesh.triangle.minCoeff() < 0 || mesh.triangle.maxCoeff() >= mesh.position.rows()))
         throw Error("a triangle of mesh '" + mesh.name + "' refers to a vertex that is not there", path);
+    if (mesh.vertex_color.size() > 0 &&
+        (mesh.vertex_color.rows() != mesh.position.rows() || !mesh.vertex_color.allFinite()))
+        throw Error("the colours of mesh '" + mesh.name + "' do not go with its vertices", path);
     if (mesh.texture.size() == 0) return;
     if (!mesh.texture.allFinite() || mesh.texture_triangle.rows() != mesh.triangle.rows() ||
         mesh.texture_triangle.minCoeff() < 0 || mesh.texture_triangle.maxCoeff() >= mesh.texture.rows())
@@ -68,16 +72,17 @@ void append(std::string& bytes, const T& value) {
     bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-std::string ply_header(const std::vector<NamedMesh>& meshes, bool textured) {
+std::string ply_header(const std::vector<NamedMesh>& meshes, bool textured, bool coloured) {
     long vertices = 0, triangles = 0;
     for (const NamedMesh& mesh : meshes) {
         vertices += mesh.position.rows();
         triangles += mesh.triangle.rows();
     }
     return "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(vertices) +
-           "\nproperty double x\nproperty double y\nproperty double z\nelement face " + std::to_string(triangles) +
-           "\nproperty list uchar int vertex_indices\n" + (textured ? "property list uchar float texcoord\n" : "") +
-           "end_header\n";
+           "\nproperty double x\nproperty double y\nproperty double z\n" +
+           (coloured ? "property uchar red\nproperty uchar green\nproperty uchar blue\n" : "") + "element face " +
+           std::to_string(triangles) + "\nproperty list uchar int vertex_indices\n" +
+           (textured ? "property list uchar float texcoord\n" : "") + "end_header\n";
 }
 
 void append_texture(std::string& bytes, const NamedMesh& mesh, int f) {
@@ -88,12 +93,26 @@ void append_texture(std::string& bytes, const NamedMesh& mesh, int f) {
             append(bytes, static_cast<float>(mesh.texture(mesh.texture_triangle(f, corner), axis)));
 }
 
+/// Three bytes; white without a colour.
+void append_color(std::string& bytes, const NamedMesh& mesh, Eigen::Index v) {
+    for (int k = 0; k < 3; ++k) {
+        const double color = mesh.vertex_color.rows() > 0 ? mesh.vertex_color(v, k) : 1;
+        append(bytes, static_cast<uint8_t>(std::lround(255 * std::clamp(color, 0.0, 1.0))));
+    }
+}
+
 std::string ply_bytes(const std::vector<NamedMesh>& meshes) {
     const bool textured =
         std::any_of(meshes.begin(), meshes.end(), [](const NamedMesh& mesh) { return mesh.texture.size() > 0; });
-    std::string bytes = ply_header(meshes, textured);
-    for (const NamedMesh& mesh : meshes)
-        bytes.append(reinterpret_cast<const char*>(mesh.position.data()), sizeof(double) * mesh.position.size());
+    const bool coloured =
+        std::any_of(meshes.begin(), meshes.end(), [](const NamedMesh& mesh) { return mesh.vertex_color.rows() > 0; });
+    std::string bytes = ply_header(meshes, textured, coloured);
+    for (const NamedMesh& mesh : meshes) {
+        for (Eigen::Index v = 0; v < mesh.position.rows(); ++v) {
+            bytes.append(reinterpret_cast<const char*>(mesh.position.row(v).data()), 3 * sizeof(double));
+            if (coloured) append_color(bytes, mesh, v);
+        }
+    }
     int32_t first = 0;
     for (const NamedMesh& mesh : meshes) {
         for (int f = 0; f < mesh.triangle.rows(); ++f) {

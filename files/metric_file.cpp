@@ -137,6 +137,7 @@ Metric read_metric(const Member& row) {
 void check_version(const Member& root, const std::string& path) {
     if (root.text("format") != format_name) root.fail("this is no file of metrics", "format");
     const Json& version = root.at("version");
+    if (!version.is_number_integer()) root.fail("this must be a whole number", "version");
     if (version != format_version)
         throw Error("this file of metrics is of version " + version.dump() + "; this program reads version " +
                         std::to_string(format_version),

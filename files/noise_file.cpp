@@ -14,6 +14,9 @@ constexpr int deflate = 0;  // checksums, no compression: distances are noise
 std::string status_name(const NoiseVariant& variant) {
     return "/samples/" + variant.name + "_status";
 }
+std::string cloth_name(const NoiseVariant& variant) {
+    return "/samples/" + variant.name + "_cloth";
+}
 std::string distance_name(const NoiseVariant& variant) {
     return "/samples/" + variant.name + "_distance";
 }
@@ -38,6 +41,12 @@ void write_root(Hdf5File& file, const NoiseHeader& header) {
     if (!header.missing.empty()) file.set_attribute("/", "missing_variants", header.missing);
 }
 
+using FloatPositions = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+Positions as_positions(const std::vector<float>& value) {
+    return Eigen::Map<const FloatPositions>(value.data(), static_cast<Eigen::Index>(value.size() / 3), 3)
+        .cast<double>();
+}
 Positions as_positions(const std::vector<double>& value) {
     return Eigen::Map<const Positions>(value.data(), static_cast<Eigen::Index>(value.size() / 3), 3);
 }
@@ -46,6 +55,15 @@ Eigen::VectorXd as_column(const std::vector<double>& value) {
 }
 
 }  // namespace
+
+void check_noise_version(const Hdf5File& file, const std::string& path) {
+    if (!file.has_attribute("/", "kind") || file.string_attribute("/", "kind") != "noise")
+        throw Error("this is not a noise file", path + ":/", "toile evaluate noise writes them");
+    const int64_t version = file.integer_attribute("/", "version");
+    if (version != noise_version)
+        throw Error("the noise file has version " + std::to_string(version) + ", not " + std::to_string(noise_version),
+                    path + ":/", "measure it anew: toile evaluate noise");
+}
 
 struct NoiseWriter::Impl {
     Impl(const std::string& path, const NoiseHeader& from, int64_t count)
@@ -61,6 +79,7 @@ struct NoiseWriter::Impl {
         file.create_rows<int8_t>("/samples/status", count, {}, deflate);
         for (const NoiseVariant& one : variant) {
             file.create_rows<int8_t>(status_name(one), count, {}, deflate);
+            file.create_rows<float>(cloth_name(one), count, {vertices, 3}, deflate);
             file.create_rows<double>(distance_name(one), count, {vertices}, deflate);
         }
         file.create_rows<double>("/samples/spread", count, {vertices}, deflate);
@@ -81,7 +100,8 @@ struct NoiseWriter::Impl {
     void check(const NoiseRecord& record) const {
         bool fits = next < sample_count && record.cloth.rows() == vertices && record.spread.size() == vertices &&
                     record.variant.size() == variant.size();
-        for (const NoiseRecord::Variant& one : record.variant) fits = fits && one.distance.size() == vertices;
+        for (const NoiseRecord::Variant& one : record.variant)
+            fits = fits && one.distance.size() == vertices && one.cloth.rows() == vertices;
         if (!fits) throw Error("sample " + std::to_string(next) + " does not fit the file", target.path());
     }
 };
@@ -98,6 +118,8 @@ void NoiseWriter::write(const NoiseRecord& record) {
     to.write_status("/samples/status", record.status);
     for (size_t k = 0; k < to.variant.size(); ++k) {
         to.write_status(status_name(to.variant[k]), record.variant[k].status);
+        const FloatPositions cloth = record.variant[k].cloth.cast<float>();
+        to.file.write_row(cloth_name(to.variant[k]), to.next, cloth.data());
         to.file.write_row(distance_name(to.variant[k]), to.next, record.variant[k].distance.data());
     }
     to.file.write_row("/samples/spread", to.next, record.spread.data());
@@ -116,6 +138,7 @@ void NoiseWriter::finish() {
 }
 
 NoiseReader::NoiseReader(const std::string& path) : file_(Hdf5File::open(path)) {
+    check_noise_version(file_, path);
     const auto strings = [&](const char* key) { return file_.strings_attribute("/", key); };
     header_.mesh = read_mesh_group(file_);
     const std::vector<std::string> name = strings("variants"), what = strings("variant_meanings");
@@ -144,7 +167,9 @@ NoiseRecord NoiseReader::read(int64_t slot) const {
     record.cloth = as_positions(row("/samples/cloth"));
     record.status = status("/samples/status");
     for (const NoiseVariant& one : header_.variant)
-        record.variant.push_back({status(status_name(one)), as_column(row(distance_name(one)))});
+        record.variant.push_back({status(status_name(one)),
+                                  as_positions(file_.read_rows<float>(cloth_name(one), slot, 1).value),
+                                  as_column(row(distance_name(one)))});
     record.spread = as_column(row("/samples/spread"));
     record.spread_rms = row("/samples/spread_rms").at(0);
     record.spread_max = row("/samples/spread_max").at(0);

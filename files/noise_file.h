@@ -11,7 +11,7 @@
 
 namespace toile::files {
 
-inline constexpr int noise_version = 1;
+inline constexpr int noise_version = 2;  ///< 1 did not hold the variants' cloth
 
 /// One way in which samples were draped once more.
 struct NoiseVariant {
@@ -38,6 +38,7 @@ struct NoiseRecord {
     Positions cloth;  ///< `[V x 3]` the configured drape [m]
     struct Variant {
         int status = 0;
+        Positions cloth;           ///< `[V x 3]` [m]; stored as float32
         Eigen::VectorXd distance;  ///< `[V]` of each vertex from its place in the configured drape [m]
     };
     std::vector<Variant> variant;
@@ -49,9 +50,9 @@ struct NoiseRecord {
 /// sample, with checksums.
 ///
 /// `/mesh/...`, `/samples/id` (N), `/samples/cloth` (N,V,3), `/samples/status` (N) int8, for each variant
-/// `/samples/<variant>_status` (N) int8 and `/samples/<variant>_distance` (N,V), and `/samples/spread` (N,V),
-/// `/samples/spread_rms`, `/samples/spread_max` (N). Metres. Root attributes: those of a data set, `share`, `reasons`,
-/// `variants`, `variant_meanings`, `missing_variants`.
+/// `/samples/<variant>_status` (N) int8, `/samples/<variant>_cloth` (N,V,3) float32 and `/samples/<variant>_distance`
+/// (N,V), and `/samples/spread` (N,V), `/samples/spread_rms`, `/samples/spread_max` (N). Metres. Root attributes: those
+/// of a data set, `share`, `reasons`, `variants`, `variant_meanings`, `missing_variants`.
 class NoiseWriter {
   public:
     /// Throws Error where the file cannot be made.
@@ -70,7 +71,11 @@ class NoiseWriter {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Reads a noise file; throws Error with "file:/dataset" for the first thing that keeps it from being read.
+/// Throws Error unless `file` is a noise file of this version.
+void check_noise_version(const Hdf5File& file, const std::string& path);
+
+/// Reads a noise file; throws Error with "file:/dataset" for the first thing that keeps it from being read. A file of
+/// another version is refused: it has to be measured anew.
 class NoiseReader {
   public:
     explicit NoiseReader(const std::string& path);

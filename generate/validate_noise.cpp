@@ -29,17 +29,20 @@ std::vector<Feature> noise_table(const std::vector<std::string>& variants, std::
           {"/samples/spread", "float64", "N V"},
           {"/samples/spread_rms", "float64", "N"},
           {"/samples/spread_max", "float64", "N"}}}};
-    name.reserve(2 * variants.size());  // the table keeps pointers into it
+    name.reserve(3 * variants.size());  // the table keeps pointers into it
     for (const std::string& variant : variants) {
         const char* status = name.emplace_back("/samples/" + variant + "_status").c_str();
         const char* distance = name.emplace_back("/samples/" + variant + "_distance").c_str();
-        table.push_back({"variant", true, {{status, "int8", "N"}, {distance, "float64", "N V"}}});
+        const char* cloth = name.emplace_back("/samples/" + variant + "_cloth").c_str();
+        table.push_back(
+            {"variant", true, {{status, "int8", "N"}, {distance, "float64", "N V"}, {cloth, "float32", "N V 3"}}});
     }
     return table;
 }
 
 Lines structure_of(const std::string& path) {
     const files::Hdf5File file = files::Hdf5File::open(path);
+    files::check_noise_version(file, path);
     Lines defect;
     try {
         std::vector<std::string> name;
@@ -67,6 +70,23 @@ double spread_at(const files::NoiseRecord& record, Eigen::Index v) {
     return largest;
 }
 
+/// Distances between two cloths of which one is stored in single precision: how far they may be from what was stored.
+double rounding(const Positions& cloth) {
+    return 4.0 * std::numeric_limits<float>::epsilon() * std::max(1e-3, cloth.cwiseAbs().maxCoeff());
+}
+
+/// The first thing that is wrong with a variant of an accepted sample, or nothing.
+std::string defect_of(const files::NoiseRecord& record, const files::NoiseRecord::Variant& one,
+                      const std::string& name) {
+    if (!one.distance.allFinite() || one.distance.minCoeff() < 0.0)
+        return fmt::format("{} is accepted, but a distance is negative or not finite", name);
+    if (!one.cloth.allFinite()) return fmt::format("{} is accepted, but its cloth is not finite", name);
+    const Eigen::VectorXd distance = (one.cloth - record.cloth).rowwise().norm();
+    if ((distance - one.distance).cwiseAbs().maxCoeff() > rounding(one.cloth))
+        return fmt::format("the distances of {} are not those of its cloth", name);
+    return {};
+}
+
 /// The first thing that is wrong with a sample, or nothing.
 std::string defect_of(const files::NoiseHeader& header, const files::NoiseRecord& record) {
     if (!known(record.status, header)) return fmt::format("status {} has no reason", record.status);
@@ -76,8 +96,7 @@ std::string defect_of(const files::NoiseHeader& header, const files::NoiseRecord
         const std::string& name = header.variant[k].name;
         if (!known(one.status, header)) return fmt::format("{}_status {} has no reason", name, one.status);
         if (record.status != 0 || one.status != 0) continue;
-        if (!one.distance.allFinite() || one.distance.minCoeff() < 0.0)
-            return fmt::format("{} is accepted, but a distance is negative or not finite", name);
+        if (const std::string defect = defect_of(record, one, name); !defect.empty()) return defect;
     }
     for (Eigen::Index v = 0; v < record.spread.size(); ++v)
         if (!same(record.spread[v], spread_at(record, v)))

@@ -90,13 +90,8 @@ Positions check_carried(const SampleChecker& checker, const files::SampleRecord&
 
 void check_image(const SampleChecker& checker, const files::SampleRecord& sample, Lines& lines) {
     const files::DatasetImage& image = *checker.header.image;
-    const auto area = static_cast<Eigen::Index>(image.size) * image.size;
-    Positions value(area * image.layers, 3);
-    for (Eigen::Index layer = 0; layer < image.layers; ++layer)
-        for (Eigen::Index c = 0; c < 3; ++c)
-            for (Eigen::Index i = 0; i < area; ++i)
-                value(layer * area + i, c) = sample.image[(3 * layer + c) * area + i];
-    const double off = distance(checker.reading * value, sample.displacement);
+    const double off =
+        distance(pattern::read_image(checker.reading, sample.image, image.layers, image.size), sample.displacement);
     const double reported = (*checker.header.resampling_error)[0];
     if (!(off <= reported * (1 + 1e-3) + 1e-7))
         lines.add("/samples/image",

@@ -27,17 +27,6 @@ bool fits(const ClothMesh& mesh, const std::vector<int>& triangle_panel, const I
     return true;
 }
 
-Positions read_channels(const PixelWeights& reading, const std::vector<float>& image, int layers, int size) {
-    const size_t area = static_cast<size_t>(size) * size;
-    Positions value(static_cast<Eigen::Index>(area) * layers, 3);
-    for (int layer = 0; layer < layers; ++layer)
-        for (int component = 0; component < 3; ++component)
-            for (size_t i = 0; i < area; ++i)
-                value(static_cast<Eigen::Index>(layer * area + i), component) =
-                    image[(3 * layer + component) * area + i];
-    return reading * value;
-}
-
 }  // namespace
 
 void ResamplingError::add(const Positions& displacement, const Positions& read_back) {
@@ -105,7 +94,7 @@ std::vector<float> PatternImage::image(const Positions& displacement) const {
 }
 
 Positions PatternImage::read(const std::vector<float>& image) const {
-    return read_channels(impl_->reading, image, impl_->layout.layers, impl_->layout.size);
+    return read_image(impl_->reading, image, impl_->layout.layers, impl_->layout.size);
 }
 
 AutoImageSize auto_image_size(const ClothMesh& mesh, const std::vector<int>& triangle_panel,

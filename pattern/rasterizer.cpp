@@ -137,4 +137,15 @@ PixelWeights reading_weights(const ClothMesh& mesh, const PatternLayout& layout)
     return weights;
 }
 
+Positions read_image(const PixelWeights& reading, const std::vector<float>& image, int layers, int size) {
+    const size_t area = static_cast<size_t>(size) * size;
+    Positions value(static_cast<Eigen::Index>(area) * layers, 3);
+    for (int layer = 0; layer < layers; ++layer)
+        for (int component = 0; component < 3; ++component)
+            for (size_t i = 0; i < area; ++i)
+                value(static_cast<Eigen::Index>(layer * area + i), component) =
+                    image[(3 * layer + component) * area + i];
+    return reading * value;
+}
+
 }  // namespace toile::pattern

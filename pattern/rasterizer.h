@@ -26,4 +26,8 @@ Raster rasterize(const ClothMesh& mesh, const PatternLayout& layout);
 /// `[V x pixels]`: bilinear reading at each pattern position, averaged over those of a vertex (contract).
 PixelWeights reading_weights(const ClothMesh& mesh, const PatternLayout& layout);
 
+/// Displacements `[V x 3]` [m] that an image `[3 layers x size x size]`, channel 3·layer + component, holds; `reading`
+/// as `reading_weights` gives it.
+Positions read_image(const PixelWeights& reading, const std::vector<float>& image, int layers, int size);
+
 }  // namespace toile::pattern

@@ -9,7 +9,9 @@
 #include <sstream>
 #include <vector>
 
+#include "evaluate/quantity.h"
 #include "files/hdf5_file.h"
+#include "files/mesh_group.h"
 
 namespace toile::evaluate {
 namespace {
@@ -58,6 +60,9 @@ EvaluatedFolder::EvaluatedFolder() {
     accuracy_own = {
         {"accuracy",
          {{"vertices", 4},
+          {"overstretched_limit", 0.05},
+          {"noise_floor", nullptr},
+          {"remarks", Json::array()},
           {"splits", {{{"name", "test"}, {"samples", 52}, {"accepted", 50}, {"judged", 50}}}},
           {"predictors",
            {{{"name", "ridge"},
@@ -95,15 +100,18 @@ std::string EvaluatedFolder::text(const std::string& name) const {
 
 void EvaluatedFolder::write() {
     files::write_metric_file(file("accuracy.json"), accuracy, accuracy_own);
-    files::write_metric_file(file("runtime.json"), runtime);
-    files::write_metric_file(file("stability.json"), stability);
+    files::write_metric_file(file("runtime.json"), runtime, Json{{"study", Json::array()}});
+    files::write_metric_file(file("stability.json"), stability, Json{{"cases", Json::array()}});
 }
 
 void EvaluatedFolder::write_arrays() {
     files::Hdf5File out = files::Hdf5File::create(file("accuracy.h5"));
     out.set_attribute("/", "format", "toile accuracy");
     out.set_attribute("/", "version", 1);
-    out.write("/mesh/triangle", std::vector<std::int32_t>{0, 1, 2, 0, 2, 3}, {2, 3});
+    ClothMesh mesh;
+    mesh.triangle = (Triangles(2, 3) << 0, 1, 2, 0, 2, 3).finished();
+    mesh.rest_position = (Positions(4, 3) << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0).finished();
+    files::write_mesh_group(out, mesh, 0);
     out.write("/body/triangle", std::vector<std::int32_t>{0, 1, 2}, {1, 3});
     out.write("/shown/id", std::vector<std::int64_t>{17, 4}, {2});
     out.write("/shown/split", std::vector<std::int8_t>{2, 0}, {2});
@@ -125,6 +133,12 @@ void EvaluatedFolder::write_arrays() {
     image[0] = 0.012f;
     out.write("/shown/image", image, {2, 6, 2, 2});
     out.write("/mu/vertex", std::vector<double>{0.01, 0.1, 1, 10}, {4});
+    out.write("/figures/id", std::vector<std::int64_t>{17, 4}, {2});
+    out.write("/figures/split", std::vector<std::int8_t>{2, 0}, {2});
+    for (const char* method : {"predicted", "inextensibility@limit=0", "quasistatic@mu=best"})
+        for (int quantity = 0; quantity < quantity_count; ++quantity)
+            out.write("/figures/ridge/" + std::string(method) + "/" + quantity_kind(quantity).name,
+                      std::vector<double>{1.5, 2.5}, {2});
     out.close();
 }
 

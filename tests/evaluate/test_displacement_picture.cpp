@@ -55,6 +55,18 @@ TEST(DisplacementPicture, signs_are_colours_on_a_symmetric_scale) {
     EXPECT_EQ(pixel(dn, 0, 2), pixel(du, 0, 1)) << "each on its own scale";
 }
 
+TEST(DisplacementPicture, a_large_image_is_thinned_out) {
+    constexpr int size = 1025;
+    std::vector<float> image(3 * size * size, 0.001f);
+    image[3 * size + 3] = -0.002f;  // row 3, column 3
+    image[3 * size + 6] = 0.002f;
+    const files::Picture du = shown(displacement_pictures(image, 1, size, size)[0]);
+    ASSERT_EQ(du.width, 342) << "every third";
+    ASSERT_EQ(du.height, 342);
+    EXPECT_GT(pixel(du, 1, 1)[2], pixel(du, 1, 1)[0]) << "row 3, column 3";
+    EXPECT_GT(pixel(du, 1, 2)[0], pixel(du, 1, 2)[2]) << "row 3, column 6";
+}
+
 TEST(DisplacementPicture, what_the_pattern_does_not_cover_is_clear) {
     std::vector<float> image{0, 1, 0, 0, 0, 0};  // one layer of one row and two columns: Δu, Δv, Δn
     const files::Picture dv = shown(displacement_pictures(image, 1, 1, 2)[1]);

@@ -13,6 +13,7 @@
 #include "evaluate/noise.h"
 #include "evaluate/noise_results.h"
 #include "evaluate/noise_source.h"
+#include "files/metric_file.h"
 #include "files/noise_file.h"
 
 namespace toile::evaluate {
@@ -50,7 +51,7 @@ files::NoiseRecord record_of(int status, int variant_status, double distance) {
     files::NoiseRecord record;
     record.status = status;
     record.cloth = Positions::Zero(3, 3);
-    record.variant = {{variant_status, Eigen::VectorXd::Constant(3, distance)}};
+    record.variant = {{variant_status, Positions::Zero(3, 3), Eigen::VectorXd::Constant(3, distance)}};
     record.spread = record.variant[0].distance;
     record.spread_rms = record.spread_max = distance;
     return record;
@@ -108,6 +109,9 @@ TEST_F(Noise, StoresTheSpreadOfItsVariants) {
     EXPECT_EQ(file.header().variant.size() + file.header().missing.size(), 3u);
     const files::NoiseRecord record = file.read(0);
     EXPECT_EQ(record.cloth, file.header().mesh.rest_position) << "the scene has no poses: its neutral drape";
+    for (const auto& one : record.variant)
+        EXPECT_LT(((one.cloth - record.cloth).rowwise().norm() - one.distance).cwiseAbs().maxCoeff(), 1e-6)
+            << "cloth is stored in single precision";
     for (Eigen::Index v = 0; v < record.spread.size(); ++v) {
         double largest = 0.0;
         for (const auto& one : record.variant)
@@ -124,7 +128,16 @@ TEST_F(Noise, WritesItsResultsForAReport) {
     const NoiseSummary summary = measure_noise(options());
     std::ifstream stream(summary.results);
     const auto json = nlohmann::json::parse(stream);
+    EXPECT_EQ(json.at("format"), "toile metrics");
     EXPECT_EQ(json.at("kind"), "noise");
+    const files::MetricFile metrics = files::read_metric_file(summary.results, "noise");
+    const auto spread = std::find_if(metrics.metric.begin(), metrics.metric.end(),
+                                     [](const files::Metric& one) { return one.name == "noise/spread/distance"; });
+    ASSERT_NE(spread, metrics.metric.end());
+    EXPECT_DOUBLE_EQ(spread->value, 1e3 * summary.spread.root_mean_square);
+    EXPECT_EQ(spread->unit, "mm");
+    ASSERT_TRUE(spread->distribution);
+    EXPECT_DOUBLE_EQ(spread->distribution->largest, 1e3 * summary.spread.largest);
     EXPECT_EQ(json.at("samples").size(), 1u);
     EXPECT_EQ(json.at("samples").at(0).at("status"), "accepted");
     EXPECT_DOUBLE_EQ(json.at("spread").at("largest"), summary.spread.largest);

@@ -88,7 +88,9 @@ TEST_F(Report, a_scene_is_shown_somewhere) {
 }
 
 TEST_F(Report, is_made_of_what_is_there) {
-    files::write_metric_file(folder_.file("runtime.json"), folder_.runtime);
+    folder_.write();
+    std::filesystem::remove(folder_.file("accuracy.json"));
+    std::filesystem::remove(folder_.file("stability.json"));
     const ReportSummary summary = make();
     EXPECT_THAT(summary.evaluations, testing::ElementsAre("runtime"));
     EXPECT_EQ(page_data().at("scene"), nullptr);
@@ -182,7 +184,7 @@ TEST_F(Report, facts_are_told_once_where_all_agree_and_with_their_kind_else) {
     folder_.write();
     const std::vector<files::MetricFile> evaluations{folder_.accuracy, folder_.runtime};
     std::string text;
-    for (const ReportFact& fact : report_facts(evaluations, accuracy_story(folder_.path(), evaluations)))
+    for (const ReportFact& fact : report_facts(evaluations, read_accuracy_document(folder_.file("accuracy.json"))))
         text += fact.name + "=" + fact.value + ";";
     EXPECT_EQ(text,
               "data set=shirt.h5;configuration hash=12ab;samples judged=test 50 of 52;vertices, accuracy=4;"

@@ -168,13 +168,17 @@ TEST_F(MetricFileTest, one_defect_at_a_time) {
         EXPECT_NE(complaint(broken), "none") << key << ' ' << value;
     }
     Json broken = document_;
+    broken["version"] = "1";
+    EXPECT_EQ(complaint(broken), ":version: this must be a whole number");
+    broken = document_;
     broken["about"]["dataset"] = 3;
     EXPECT_EQ(complaint(broken), ":about.dataset: this must be a text");
 }
 
 TEST_F(MetricFileTest, refuses_what_is_no_json_and_what_is_no_file) {
     EXPECT_EQ(complaint(), ": there is no such file");
-    for (const std::string text : {"", "{", "\xff\xfe", "[[[[[[", "{\"format\": nan}"}) {
+    const std::string deep(100'000, '[');
+    for (const std::string& text : std::vector<std::string>{"", "{", "\xff\xfe", deep, "{\"format\": nan}"}) {
         std::ofstream(path_) << text;
         EXPECT_THAT(complaint(), testing::HasSubstr("not valid JSON")) << text;
     }

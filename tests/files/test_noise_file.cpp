@@ -31,7 +31,8 @@ class NoiseFile : public testing::Test {
         record.id = id;
         record.status = 1;
         record.cloth = Positions::Constant(3, 3, 0.5 * static_cast<double>(id));
-        record.variant = {{0, Eigen::Vector3d(1, 2, 3)}, {1, Eigen::Vector3d(4, 5, 6)}};
+        const Positions cloth = Positions::Constant(3, 3, 0.25);
+        record.variant = {{0, cloth, Eigen::Vector3d(1, 2, 3)}, {1, 2.0 * cloth, Eigen::Vector3d(4, 5, 6)}};
         record.spread = Eigen::Vector3d(7, 8, 9);
         record.spread_rms = 8.04;
         record.spread_max = 9;
@@ -65,6 +66,7 @@ TEST_F(NoiseFile, reads_what_it_wrote) {
     EXPECT_EQ(second.cloth, expected.cloth);
     ASSERT_EQ(second.variant.size(), 2u);
     EXPECT_EQ(second.variant[1].status, 1);
+    EXPECT_EQ(second.variant[1].cloth, expected.variant[1].cloth);
     EXPECT_EQ(second.variant[1].distance, expected.variant[1].distance);
     EXPECT_EQ(second.spread, expected.spread);
     EXPECT_EQ(second.spread_rms, 8.04);
@@ -85,6 +87,9 @@ TEST_F(NoiseFile, refuses_what_does_not_fit) {
     wrong = record(0);
     wrong.variant[1].distance.resize(1);
     EXPECT_THROW(writer.write(wrong), Error) << "a variant's distances";
+    wrong = record(0);
+    wrong.variant[1].cloth.resize(2, 3);
+    EXPECT_THROW(writer.write(wrong), Error) << "a variant's cloth";
     writer.write(record(0));
     EXPECT_THROW(writer.write(record(1)), Error) << "one sample too many";
 }
@@ -112,6 +117,31 @@ TEST_F(NoiseFile, refuses_another_mesh) {
         file.write("/samples/spread", std::vector<double>(4), {1, 4});
         file.close();
     }
+    EXPECT_THROW(NoiseReader{path_}, Error);
+}
+
+TEST_F(NoiseFile, refuses_another_version_or_kind) {
+    {
+        NoiseWriter writer(path_, header_, 1);
+        writer.write(record(0));
+        writer.finish();
+    }
+    EXPECT_NO_THROW(NoiseReader{path_});
+    const auto set = [&](const char* kind, int64_t version) {
+        Hdf5File file = Hdf5File::edit(path_);
+        file.set_attribute("/", "kind", kind);
+        file.set_attribute("/", "version", version);
+        file.close();
+    };
+    set("noise", 1);  // without the variants' cloth
+    try {
+        const NoiseReader file(path_);
+        FAIL() << "an older version";
+    } catch (const Error& error) {
+        EXPECT_STREQ(error.what(), "the noise file has version 1, not 2");
+        EXPECT_FALSE(error.mend().empty());
+    }
+    set("projection", 2);
     EXPECT_THROW(NoiseReader{path_}, Error);
 }
 

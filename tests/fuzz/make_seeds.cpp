@@ -65,8 +65,10 @@ void write_noise(const std::string& path) {
     header.reasons = dataset.reasons;
     header.share = 0.5;
     const Eigen::VectorXd distance = Eigen::VectorXd::Constant(3, 1e-3);
+    Positions other = header.mesh.rest_position;
+    other.col(2).array() += 1e-3;
     files::NoiseWriter writer(path, header, 1);
-    writer.write({7, 0, header.mesh.rest_position, {{0, distance}}, distance, 1e-3, 1e-3});
+    writer.write({7, 0, header.mesh.rest_position, {{0, other, distance}}, distance, 1e-3, 1e-3});
     writer.finish();
 }
 

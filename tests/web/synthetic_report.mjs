@@ -152,9 +152,18 @@ function accuracySection(rows, random) {
   return {
     id: "accuracy",
     title: "Accuracy",
-    text: ["Distances to the ground truth in each split, before and after each prior. Intervals are 95 % over samples."],
+    text: [
+      "Distances to the ground truth in each split, before and after each prior. Intervals are 95 % over samples.",
+    ],
     blocks: [
-      { type: "table", id: "accuracy-table", title: "Errors by split", note: "Click a header to sort.", columns, rows: summary },
+      {
+        type: "table",
+        id: "accuracy-table",
+        title: "Errors by split",
+        note: "Click a header to sort.",
+        columns,
+        rows: summary,
+      },
       {
         type: "histogram",
         id: "accuracy-histogram",
@@ -184,7 +193,15 @@ function runtimeSection(random) {
       points: Array.from({ length: 8 }, (_, step) => {
         const x = 1e-3 * 3 ** index * 2 ** step;
         const y = 30 * 10 ** (-step * (1 - 0.1 * index)) * (0.8 + 0.4 * random());
-        return { x, y, x_low: 0.9 * x, x_high: 1.2 * x, y_low: 0.7 * y, y_high: 1.4 * y, label: `tolerance 1e-${step}` };
+        return {
+          x,
+          y,
+          x_low: 0.9 * x,
+          x_high: 1.2 * x,
+          y_low: 0.7 * y,
+          y_high: 1.4 * y,
+          label: `tolerance 1e-${step}`,
+        };
       }),
     }),
   );

@@ -14,7 +14,7 @@ const height = 380;
 
 /** Colours are the style sheet's variables: charts, drawn as SVG, follow light, dark and print by themselves. */
 export const palette = [1, 2, 3, 4, 5, 6, 7, 8].map((index) => `var(--series-${index})`);
-export const symbols = ["circle", "rect", "triangle", "diamond", "emptyCircle", "emptyRect", "emptyTriangle"];
+export const symbols = ["circle", "rect", "triangle", "diamond"];
 
 export function seriesColour(index: number): string {
   return palette[index % palette.length]!;
@@ -82,10 +82,12 @@ export class Chart {
   draw(width: number): void {
     if (this.chart) {
       this.chart.resize({ width, height });
+      this.chart.getZr().flush(); // paper does not wait for the next frame
       return;
     }
     this.chart = init(this.node, null, { renderer: "svg", width, height });
     this.chart.setOption(this.option);
+    this.chart.getZr().flush();
   }
 
   setVisible(name: string, visible: boolean): void {

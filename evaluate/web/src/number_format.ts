@@ -9,7 +9,8 @@ export function formatNumber(value: number | null | undefined, significant = 4):
 /** A number with the decimals that `model` gets for its significant digits: for the ends of its interval. */
 export function formatAlike(value: number, model: number, significant: number): string {
   const magnitude = Math.abs(model);
-  if (value === 0 || (Number.isInteger(value) && Number.isInteger(model) && Math.abs(value) < 1e7)) return withMinusSign(String(value));
+  if (value === 0 || (Number.isInteger(value) && Number.isInteger(model) && Math.abs(value) < 1e7))
+    return withMinusSign(String(value));
   if (magnitude !== 0 && (magnitude < 1e-3 || magnitude >= 1e7)) return exponential(value, significant);
   const whole = magnitude === 0 ? 1 : Math.floor(Math.log10(magnitude)) + 1;
   return withMinusSign(value.toFixed(Math.min(Math.max(significant - whole, 0), 20)));

@@ -5,6 +5,8 @@ import { formatAlike, formatNumber } from "./number_format";
 const defaultDigits = 3;
 /** Tables longer than this get a field that filters their rows. */
 const filterFrom = 25;
+/** More distinct notes than this are not listed below their table. */
+const mostListedNotes = 8;
 
 interface Row {
   cells: Cell[];
@@ -13,7 +15,7 @@ interface Row {
 
 /** A table whose header buttons sort it, and whose cells' notes are listed below it. */
 export function makeTable(block: TableBlock): HTMLElement {
-  const notes = new Notes();
+  const notes = new Notes(block.rows);
   const rows: Row[] = block.rows.map((cells) => ({ cells, node: makeRow(block.columns, cells, notes) }));
   const body = element("tbody", {}, ...rows.map((row) => row.node));
   const headers = block.columns.map((column, index) => makeHeader(column, () => sortBy(index)));
@@ -51,7 +53,7 @@ function makeHeader(column: Column, sort: () => void): HTMLTableCellElement {
     "button",
     { type: "button" },
     column.name,
-    column.unit ? element("span", { class: "unit" }, ` ${column.unit}`) : null,
+    column.unit ? element("span", { class: "unit" }, ` [${column.unit}]`) : null,
   );
   button.addEventListener("click", sort);
   return element("th", { scope: "col", class: column.align === "number" ? "number" : "text" }, button);
@@ -108,18 +110,27 @@ function makeFilter(title: string, rows: Row[]): HTMLElement {
   return element("div", { class: "table-filter" }, input, count);
 }
 
-/** The distinct notes of a table's cells, numbered in the order in which they come. */
+/**
+ * The distinct notes of a table's cells. A few are numbered and listed below the table; where nearly every cell has one of
+ * its own, the pointer shows them and screen readers say them.
+ */
 class Notes {
-  private readonly texts: string[] = [];
+  private readonly texts: string[];
+  private readonly listed: boolean;
+
+  constructor(rows: Cell[][]) {
+    const notes = rows.flat().map((cell) => (isMeasured(cell) && cell.note) || null);
+    this.texts = [...new Set(notes.filter((note) => note !== null))];
+    this.listed = this.texts.length <= mostListedNotes;
+  }
 
   mark(text: string): HTMLElement {
-    let index = this.texts.indexOf(text);
-    if (index < 0) index = this.texts.push(text) - 1;
-    return element("sup", { class: "note-mark", title: text }, String(index + 1), hiddenText(` (${text})`));
+    const sign = this.listed ? String(this.texts.indexOf(text) + 1) : "…";
+    return element("sup", { class: "note-mark", title: text }, sign, hiddenText(` (${text})`));
   }
 
   list(): HTMLElement | null {
-    if (this.texts.length === 0) return null;
+    if (!this.listed || this.texts.length === 0) return null;
     return element("ol", { class: "notes" }, ...this.texts.map((text) => element("li", {}, text)));
   }
 }

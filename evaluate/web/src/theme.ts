@@ -5,7 +5,7 @@ const storageKey = "toile-theme";
 /** The switch between light and dark. Until it is used the page follows the system. */
 export function makeThemeSwitch(): HTMLElement {
   const system = window.matchMedia("(prefers-color-scheme: dark)");
-  const button = element("button", { type: "button", class: "quiet" });
+  const button = element("button", { type: "button", class: "theme-switch" });
   let chosen = remembered();
 
   const isDark = () => (chosen ? chosen === "dark" : system.matches);

@@ -12,28 +12,31 @@ export interface Shown {
   field: string | null;
 }
 
-/** Check boxes for views and body, side by side or overlay, the field and its legend. */
+export interface ViewControls {
+  /** Side by side or overlay, and the field. */
+  choices: HTMLElement;
+  /** Check boxes for views and body, and the field's legend. */
+  boxes: HTMLElement;
+}
+
 export function makeViewControls(
   scene: SceneData,
   shown: Shown,
   viewColours: Map<string, string>,
   onChange: () => void,
-): HTMLElement {
+): ViewControls {
   const legend = element("div", { class: "field-legend" });
   const showLegend = () => legend.replaceChildren(...legendOf(scene.fields.find((field) => field.key === shown.field)));
   showLegend();
-  return element(
-    "div",
-    { class: "view-controls" },
-    makeViewBoxes(scene.views, shown, viewColours, onChange),
-    makeBodyBox(scene, shown, onChange),
-    makeLayoutChoice(shown, onChange),
-    makeFieldChoice(scene.fields, shown, () => {
-      showLegend();
-      onChange();
-    }),
-    legend,
-  );
+  const fieldChoice = makeFieldChoice(scene.fields, shown, () => {
+    showLegend();
+    onChange();
+  });
+  const boxes = [makeViewBoxes(scene.views, shown, viewColours, onChange), makeBodyBox(scene, shown, onChange), legend];
+  return {
+    choices: element("div", { class: "view-choices" }, makeLayoutChoice(shown, onChange), fieldChoice),
+    boxes: element("div", { class: "view-boxes" }, ...boxes),
+  };
 }
 
 function makeBox(label: string, checked: boolean, onChange: (checked: boolean) => void, swatch?: string): HTMLElement {
@@ -103,7 +106,7 @@ function legendOf(field: Field | undefined): Node[] {
   const middle = field.map === "sequential" ? null : element("span", {}, formatShort((field.low + field.high) / 2));
   const ends = [field.low, field.high].map((end) => element("span", {}, withUnit(formatShort(end), field.unit)));
   return [
-    element("span", { class: "name" }, field.name),
+    element("span", { class: "name visually-hidden" }, field.name),
     element("span", { class: "scale" }, bar, element("span", { class: "ticks" }, ends[0], middle, ends[1])),
   ];
 }

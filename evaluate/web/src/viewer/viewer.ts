@@ -11,6 +11,8 @@ import { makeViewControls, type Shown } from "./view_controls";
 /** Plain colours of the views, by their place in the scene. */
 const clothColours = ["#8fb3d9", "#e8a15c", "#7fbf8e", "#b79ad6", "#d98f9c", "#9aa7b5"];
 const bodyColour = "#c9b8a8";
+/** Width of a panel below which the panels take another row [px]. */
+const narrowestPanel = 190;
 /** Where a vertex has no value of the field. */
 const noValueColour = "#9a9a9a";
 
@@ -34,6 +36,7 @@ class Viewer {
   private readonly canvas = element("canvas", { "aria-hidden": "true" });
   private readonly panels = element("div", { class: "panels" });
   private readonly status = element("p", { class: "viewer-status", role: "status" });
+  private readonly printCaption = element("p", { class: "print-caption" });
   private readonly images = element("div", { class: "images" });
   private readonly handle: HTMLElement;
   private stage: Stage | null = null;
@@ -63,12 +66,14 @@ class Viewer {
       this.panels,
     );
     this.handle.addEventListener("keydown", (event) => this.onKey(event));
+    const { choices, boxes } = makeViewControls(scene, this.shown, this.colours, () => void this.arrange());
     this.node = element(
       "div",
       { class: "viewer" },
-      this.picker.node,
-      makeViewControls(scene, this.shown, this.colours, () => this.arrange()),
+      element("div", { class: "viewer-controls" }, this.picker.node, choices),
+      boxes,
       this.handle,
+      this.printCaption,
       element(
         "p",
         { class: "hint" },
@@ -100,6 +105,7 @@ class Viewer {
   private async load(): Promise<void> {
     const sample = this.picker.current();
     this.showImages(sample);
+    this.printCaption.textContent = `Sample ${sample.id}, ${sample.split} split`;
     if (!this.stage) return;
     this.handle.setAttribute("aria-busy", "true");
     try {
@@ -131,7 +137,8 @@ class Viewer {
     const body = this.shown.body && loaded.body ? [loaded.body.mesh] : [];
     const groups = this.shown.overlay ? [views] : views.map((view) => [view]);
     const nodes = groups.map((group) => element("div", { class: "panel" }, this.caption(group, loaded.sample)));
-    this.panels.style.setProperty("--panels", String(Math.max(groups.length, 1)));
+    const columns = Math.max(Math.min(groups.length, Math.floor(this.handle.clientWidth / narrowestPanel)), 1);
+    this.panels.style.setProperty("--columns", String(columns));
     this.panels.replaceChildren(...nodes);
     stage.show(
       groups.map((group, index) => ({
@@ -139,6 +146,7 @@ class Viewer {
         ...rectangleOf(nodes[index]!),
       })),
     );
+    this.handle.dataset.drawn = String(loaded.sample.id);
   }
 
   private async paint(view: View, loaded: LoadedSample, field: Field | undefined): Promise<void> {

@@ -1,4 +1,4 @@
-#include "bench/factorisation_unit.h"
+#include "cloth/factorisation_unit.h"
 
 #include <Eigen/CholmodSupport>
 #include <iomanip>
@@ -9,7 +9,7 @@
 
 extern "C" void openblas_set_num_threads(int threads);
 
-namespace toile::bench {
+namespace toile {
 namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;
@@ -77,4 +77,4 @@ std::string FactorisationUnit::description() const {
     return text.str();
 }
 
-}  // namespace toile::bench
+}  // namespace toile

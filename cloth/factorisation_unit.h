@@ -5,7 +5,7 @@
 
 #include "cloth/types.h"
 
-namespace toile::bench {
+namespace toile {
 
 /// The unit of the speed tables: one numeric CHOLMOD factorisation of a 3V x 3V Hessian on a mesh graph, one thread,
 /// with CHOLMOD as it comes.
@@ -28,4 +28,4 @@ class FactorisationUnit {
     std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace toile::bench
+}  // namespace toile
