@@ -56,7 +56,7 @@ TEST_F(CliPredict, RefusesBadFlags) {
     expect_refused("predict d.h5 --out p.h5 --components 0", "--components");
     expect_refused("predict d.h5 --out p.h5 --components 10001", "--components");
     expect_refused("predict d.h5 --out p.h5 --ridge -1", "--ridge");
-    expect_refused("predict d.h5 --out p.h5 --ridge nan", "--ridge");
+    expect_refused("predict d.h5 --out p.h5 --ridge nan", "ridge is nan");
     expect_refused("predict d.h5 --out p.h5 --seed x", "--seed");
     expect_refused("predict d.h5 --out p.h5 --jobs 0", "--jobs");
 }
@@ -83,6 +83,7 @@ TEST_F(CliPredict, RefusesDataSetsThatTeachNothing) {
     expect_refused("predict changed.h5 --out p.h5", "sample 10 is accepted, but not finite");
     generate::TinyDataset without;
     without.change_header = [](files::DatasetHeader& header) { header.image.reset(); };
+    without.change_sample = [](int, files::SampleRecord& sample) { sample.image.clear(); };
     without.write(path("plain.h5"));
     EXPECT_EQ(run("predict plain.h5 --out ridge.h5").status, 0);
     expect_refused("predict plain.h5 --out p.h5 --predictor image", "the data set has no images");

@@ -220,6 +220,13 @@ describe("report page", () => {
     for (const block of ["#viewer", "#accuracy-table", "#accuracy-histogram", "#runtime-curves", "#narrow-curves"]) {
       assert.ok(await page.locator(block).isVisible(), block);
     }
+    await page.evaluate(() => window.dispatchEvent(new Event("beforeprint")));
+    const widths = await page
+      .locator(".chart svg")
+      .evaluateAll((all) => all.map((svg) => svg.getBoundingClientRect().width));
+    assert.equal(widths.length, 3);
+    for (const width of widths) assert.ok(width > 500 && width <= 688, `${width} px on A4's 688`);
+    await page.evaluate(() => window.dispatchEvent(new Event("afterprint")));
     await page.emulateMedia({ media: "screen" });
   });
 
