@@ -29,11 +29,11 @@ TEST(NoiseHistogram, CountsEveryDistanceOnce) {
     ASSERT_EQ(counts.size() + 1, edges.size());
     EXPECT_EQ(std::accumulate(counts.begin(), counts.end(), 0.0), 5.0);
     EXPECT_EQ(counts.front(), 1.0) << "a distance of zero";
-    for (size_t k = 0; k < counts.size(); ++k) {
+    for (size_t k = 1; k < counts.size(); ++k) {
         const auto inside = [&](double distance) {
             return 1e3 * distance >= edges[k] && 1e3 * distance < edges[k + 1];
         };
-        if (k > 0) EXPECT_EQ(counts[k], std::count_if(some.begin(), some.end(), inside)) << k;
+        EXPECT_EQ(counts[k], std::count_if(some.begin(), some.end(), inside)) << k;
     }
     EXPECT_EQ(histogram.at("series").at(1).at("counts").back(), 1) << "beyond the last edge";
     EXPECT_TRUE(noise_histogram({{"none", &others}, {"empty", &some}}).at("edges").size() > 1);
