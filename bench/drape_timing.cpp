@@ -7,9 +7,9 @@
 #include <cstdio>
 #include <limits>
 
-#include "cloth/factorisation_unit.h"
 #include "bench/figures.h"
 #include "cloth/error.h"
+#include "cloth/factorisation_unit.h"
 #include "cloth/topology.h"
 
 namespace toile::bench {

@@ -24,13 +24,19 @@ std::string spread_note(const files::Metric& metric) {
         note =
             fmt::format("median {:.4g}, 95 % {:.4g}, 99 % {:.4g}, largest {:.4g} {}", metric.distribution->median,
                         metric.distribution->p95, metric.distribution->p99, metric.distribution->largest, metric.unit);
-    if (metric.floor) note += fmt::format("; the simulator's noise {:.3g} {}", *metric.floor, metric.unit);
+    if (metric.floor)
+        note += fmt::format("{}the simulator's noise {:.3g} {}", note.empty() ? "" : "; ", *metric.floor, metric.unit);
     return note;
 }
 
-ReportCell cell_of(const files::Metric* metric) {
+ReportCell cell_of(const files::Metric* metric, const AccuracyDocument::Verdict* verdict) {
     if (!metric || !std::isfinite(metric->value)) return {};
-    return Measured{metric->value, metric->low, metric->high, spread_note(*metric)};
+    std::string note = spread_note(*metric);
+    if (verdict)
+        note +=
+            fmt::format("{}against the prediction {:+.3g} {} (95 % {:+.3g} to {:+.3g}): {}", note.empty() ? "" : "; ",
+                        verdict->difference, metric->unit, verdict->low, verdict->high, verdict->judgement);
+    return Measured{metric->value, metric->low, metric->high, std::move(note)};
 }
 
 ReportColumn column_of(Quantity quantity) {
@@ -51,7 +57,8 @@ std::vector<ReportCell> row_of(const AccuracyDocument& document, const std::stri
                                const std::string& method, std::span<const Quantity> quantities) {
     std::vector<ReportCell> row{predictor, method};
     for (const Quantity quantity : quantities)
-        row.push_back(cell_of(document.find(predictor, split, method, quantity)));
+        row.push_back(cell_of(document.find(predictor, split, method, quantity),
+                              document.verdict_on(predictor, split, method, quantity)));
     return row;
 }
 
@@ -61,7 +68,8 @@ std::vector<ReportCell> floor_row(const AccuracyDocument& document, const std::s
     for (const Quantity quantity : table_quantities) {
         const auto& first = document.predictor.front();
         const files::Metric* metric = document.find(first.name, split, first.method.front().name, quantity);
-        row.push_back(metric && metric->floor ? ReportCell(*metric->floor) : ReportCell());
+        row.emplace_back();
+        if (metric && metric->floor) row.back() = *metric->floor;
     }
     row.emplace_back("");
     return row;
@@ -143,29 +151,22 @@ std::string predictor_sentence(const AccuracyDocument& document, const AccuracyD
     return text + ".";
 }
 
-/// How many of a split's comparisons are no more than noise, and which.
-std::string noise_sentence(const AccuracyDocument& document, const std::string& split) {
+/// How many of a split's comparisons came out how.
+std::string verdicts_sentence(const AccuracyDocument& document, const std::string& split) {
     std::map<std::string, int> count;
-    std::string below;
-    int total = 0, listed = 0;
+    int total = 0;
     for (const auto& [key, verdict] : document.verdict) {
         if (std::get<1>(key) != split) continue;
         ++total;
         ++count[verdict.judgement];
-        if (verdict.judgement != judgement_text(Judgement::below_noise) || ++listed > 12) continue;
-        below += (below.empty() ? "" : ", ") + std::get<0>(key) + " " + std::get<2>(key) + " in " + std::get<3>(key);
     }
     std::string text = fmt::format("Of {} differences to the prediction on the {} split", total, split);
-    std::string separator = " ";
+    std::string separator = ": ";
     for (const auto& [judgement, number] : count) {
-        text += fmt::format("{}{} are {}", separator, number, judgement);
+        text += fmt::format("{}{} {}", separator, number, judgement);
         separator = ", ";
     }
-    text += ".";
-    if (!below.empty())
-        text += " Smaller than the simulator's noise: " + below +
-                (listed > 12 ? fmt::format(", and {} more", listed - 12) : std::string()) + ".";
-    return text;
+    return text + ". The note of each number says which.";
 }
 
 std::vector<std::string> section_text(const AccuracyDocument& document, const std::string& shown_split) {
@@ -177,7 +178,7 @@ std::vector<std::string> section_text(const AccuracyDocument& document, const st
         text.push_back(predictor_sentence(document, predictor, shown_split));
         if (!predictor.mu_sentence.empty()) text.push_back(predictor.name + ": " + predictor.mu_sentence);
     }
-    for (const AccuracyDocument::Split& split : document.split) text.push_back(noise_sentence(document, split.name));
+    for (const AccuracyDocument::Split& split : document.split) text.push_back(verdicts_sentence(document, split.name));
     if (document.failures > 0)
         text.push_back(
             fmt::format("{} projections did not reach their accuracy; they count with the best that was "

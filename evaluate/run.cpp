@@ -56,11 +56,11 @@ void make_data(Run& run) {
     RunSummary& summary = run.summary;
     summary.generated = generate::generate(run.config, run.options);
     summary.flawless = summary.generated.failed.empty();
-    summary.look =
-        generate::write_look(run.dataset(), run.folder(), look_slots(run.dataset(), run.config.output.look));
+    summary.look = generate::write_look(run.dataset(), run.folder(), look_slots(run.dataset(), run.config.output.look));
     generate::ValidateOptions check;
     check.jobs = run.options.jobs;
-    if (run.options.progress) check.step = [&](int done, int total) { run.options.progress({"checking", done, total, 0}); };
+    if (run.options.progress)
+        check.step = [&](int done, int total) { run.options.progress({"checking", done, total, 0}); };
     summary.validation = generate::validate_dataset(run.dataset(), check);
 }
 

@@ -48,12 +48,12 @@ TEST_F(CliDataset, RunWritesADatasetThatValidatesPicturesAndAReport) {
     const Outcome outcome = run("run scene.toml --out d --set output.look=[1]");
     ASSERT_EQ(outcome.status, 0) << outcome.err << outcome.out;
     EXPECT_THAT(outcome.out, HasSubstr("2 of 2 accepted"));
-    EXPECT_THAT(files(), ElementsAre("d", "d/CARD.md", "d/accuracy.h5", "d/accuracy.json", "d/config.toml",
-                                     "d/dataset.body.h5", "d/dataset.h5", "d/dataset.timing.h5", "d/dataset.xdmf",
-                                     "d/displacements.png", "d/mu.png", "d/pose_0001.glb", "d/predictions_image.h5",
-                                     "d/predictions_mean.h5", "d/predictions_nearest.h5", "d/predictions_ridge.h5",
-                                     "d/report.html", "d/results.csv", "d/results.json", "d/samples.png",
-                                     "scene.toml"));
+    EXPECT_THAT(files(),
+                ElementsAre("d", "d/CARD.md", "d/accuracy.h5", "d/accuracy.json", "d/config.toml", "d/dataset.body.h5",
+                            "d/dataset.h5", "d/dataset.timing.h5", "d/dataset.xdmf", "d/displacements.png", "d/mu.png",
+                            "d/pose_0001.glb", "d/predictions_image.h5", "d/predictions_mean.h5",
+                            "d/predictions_nearest.h5", "d/predictions_ridge.h5", "d/report.html", "d/results.csv",
+                            "d/results.json", "d/samples.png", "scene.toml"));
     EXPECT_THAT(outcome.out, HasSubstr("d/report.html"));
     EXPECT_THAT(outcome.out, HasSubstr("Best μ of the quasistatic prior"));
     EXPECT_THAT(bytes("d/CARD.md"), HasSubstr("| command | `toile run scene.toml --out d --set 'output.look=[1]'` |"));

@@ -4,10 +4,16 @@ import { element } from "./dom";
 import { makeTabs } from "./tabs";
 import { makeThemeSwitch } from "./theme";
 
+/** Facts that stand open; the rest unfolds. */
+const openFacts = 5;
+
+function makeFacts(facts: ReportDocument["facts"]): HTMLElement {
+  const items = facts.map(({ name, value }) => element("div", {}, element("dt", {}, name), element("dd", {}, value)));
+  return element("dl", { class: "facts" }, ...items);
+}
+
 function makeHeader(report: ReportDocument): HTMLElement {
-  const facts = report.facts.map(({ name, value }) =>
-    element("div", {}, element("dt", {}, name), element("dd", {}, value)),
-  );
+  const rest = report.facts.slice(openFacts);
   return element(
     "header",
     {},
@@ -18,7 +24,9 @@ function makeHeader(report: ReportDocument): HTMLElement {
         { class: "verdict", "aria-label": "Verdict" },
         ...report.verdict.map((line) => element("li", {}, line)),
       ),
-    facts.length > 0 && element("dl", { class: "facts" }, ...facts),
+    report.facts.length > 0 && makeFacts(report.facts.slice(0, openFacts)),
+    rest.length > 0 &&
+      element("details", { class: "more-facts" }, element("summary", {}, "How it was measured"), makeFacts(rest)),
   );
 }
 

@@ -63,9 +63,14 @@ function makeRow(columns: Column[], cells: Cell[], notes: Notes): HTMLTableRowEl
   const nodes = columns.map((column, index) => {
     const content = cellContent(cells[index] ?? null, column, notes);
     if (index === 0 && column.align !== "number") return element("th", { scope: "row", class: "text" }, ...content);
-    return element("td", { class: column.align === "number" ? "number" : "text" }, ...content);
+    return element("td", { class: column.align === "number" ? "number" : textClass(cells[index]) }, ...content);
   });
   return element("tr", {}, ...nodes);
+}
+
+/** A few words stay on one line. */
+function textClass(cell: Cell | undefined): string {
+  return typeof cell === "string" && cell.length <= 40 ? "text short" : "text";
 }
 
 function cellContent(cell: Cell, column: Column, notes: Notes): (Node | string)[] {
