@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <string_view>
 
 #include "cloth/error.h"
 
@@ -20,8 +21,8 @@ class TomlScanner {
         while (at_ < text_.size()) {
             const char c = text_[at_];
             if (c == '#')
-                at_ = std::min(text_.find('\n', at_), text_.size());
-            else if (c == '"' || c == '\'')
+                at_ = std::min(text_.find_first_of("\n\v\f\r", at_), text_.size());
+            else if ((c == '"' || c == '\'') && may_begin_text())
                 skip_quoted(c);
             else
                 step_ascii();
@@ -29,6 +30,11 @@ class TomlScanner {
     }
 
   private:
+    /// A quote inside a bare word is none: toml++ reads on to the end of the word.
+    bool may_begin_text() const {
+        return at_ == 0 || std::string_view(" \t\n\v\f\r=,.[{").find(text_[at_ - 1]) != std::string_view::npos;
+    }
+
     void step_ascii() {
         if (static_cast<unsigned char>(text_[at_]) >= 0x80)
             throw Error("not valid TOML: a character stands here that is not ASCII",

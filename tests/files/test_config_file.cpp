@@ -187,8 +187,9 @@ TEST_F(ConfigFileTest, TakesLettersWithAccentsInTextsAlone) {
     EXPECT_EQ(read("[body]\nname = '\u00e9t\u00e9'\n").name, "\u00e9t\u00e9");
     EXPECT_EQ(read("[body]\nname = \"\"\"\u00e9\"t\"\\\n  \\\"\u00e9\"\"\"\n").name, "\u00e9\"t\"\"\u00e9");
     EXPECT_EQ(read("[body]\n", {"body.name=\u00e9t\u00e9"}).name, "\u00e9t\u00e9");
-    for (const char* text : {"\u00e9 = 1\n", "[body]\nheight = 1\u00e9\n", "[body\u00e9]\n",
-                             "[body]\nname = \"\"\"a\\\u00e9\"\"\"\n", "[body]\nname = \"\"\"a\\\n \u00e9\"\"\"\n"})
+    for (const char* text :
+         {"\u00e9 = 1\n", "[body]\nheight = 1\u00e9\n", "[body\u00e9]\n", "[body]\nheight = 20\"0\u03e4\"\n",
+          "[body]\nname = \"\"\"a\\\u00e9\"\"\"\n", "[body]\nname = \"\"\"a\\\n \u00e9\"\"\"\n"})
         EXPECT_THAT(error(text), HasSubstr("not ASCII (")) << text;
 }
 
